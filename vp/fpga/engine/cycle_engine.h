@@ -87,6 +87,7 @@ class CycleEngine : public sc_core::sc_module {
   }
 
  private:
+  void clocked();
   void require_idle();
   void begin_command();
   void end_command();

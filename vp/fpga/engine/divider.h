@@ -28,21 +28,19 @@ struct Quotient {
 // division: `clocks` from the command's edge to the quotient's.
 class Divider : public sc_core::sc_module {
  public:
-  Divider(const sc_core::sc_module_name& name, EngineClock& clock);
+  explicit Divider(const sc_core::sc_module_name& name) : sc_module(name) {}
 
   const Register<DivisionCommand>* command = nullptr;
   Register<Quotient> quotient;
 
   // Sets the words and rules of the next jobs.
   void configure(const fixed::Settings& settings, int clocks);
+  void clocked();
   void reset() { busy_ = false; }
   fixed::Report& report() { return report_; }
   bool busy() const { return busy_; }
 
  private:
-  void clocked();
-
-  EngineClock& clock_;
   fixed::Settings settings_;
   fixed::Report report_;
   fixed::ReferenceMachine machine_{settings_, report_};

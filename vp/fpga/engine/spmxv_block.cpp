@@ -6,21 +6,14 @@
 
 namespace hvp::vp::engine {
 
-SpmxvBlock::SpmxvBlock(const sc_core::sc_module_name& name, const accel::Architecture& architecture,
-                       EngineClock& clock)
+SpmxvBlock::SpmxvBlock(const sc_core::sc_module_name& name, const accel::Architecture& architecture)
     : sc_module(name),
       architecture_(architecture),
-      clock_(clock),
       queue_(at(architecture.result_queue)),
       ranks_(architecture.memory_read_clocks + architecture.multiplier_clocks +
              architecture.adder_tree_clocks),
       flight_(ranks_.size()),
-      products_(3 * at(architecture.package) * ranks_.size()) {
-  SC_HAS_PROCESS(SpmxvBlock);
-  SC_METHOD(clocked);
-  sensitive << clock_.edge();
-  dont_initialize();
-}
+      products_(3 * at(architecture.package) * ranks_.size()) {}
 
 void SpmxvBlock::load(const Layout& layout, int partition) {
   partition_ = &layout.partitions()[at(partition)];

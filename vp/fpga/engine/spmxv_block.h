@@ -41,8 +41,7 @@ struct DirectionWrite {
 // does not depend on any vector.
 class SpmxvBlock : public sc_core::sc_module {
  public:
-  SpmxvBlock(const sc_core::sc_module_name& name, const accel::Architecture& architecture,
-             EngineClock& clock);
+  SpmxvBlock(const sc_core::sc_module_name& name, const accel::Architecture& architecture);
 
   // From the sequencer; every change starts a product.
   const Register<std::uint32_t>* start = nullptr;
@@ -55,6 +54,7 @@ class SpmxvBlock : public sc_core::sc_module {
 
   // A host access, while idle. `layout` has to stay in place.
   void load(const Layout& layout, int partition);
+  void clocked();
   // Empties pipelines and result memory.
   void reset();
   // The words of a package: three rows of PL2.
@@ -84,7 +84,6 @@ class SpmxvBlock : public sc_core::sc_module {
     std::array<bool, 3> caught{};
   };
 
-  void clocked();
   void write_direction();
   int issue();
   void multiply(std::size_t slot);
@@ -92,7 +91,6 @@ class SpmxvBlock : public sc_core::sc_module {
   void accumulate(const InFlight& flight);
 
   const accel::Architecture& architecture_;
-  EngineClock& clock_;
   const Partition* partition_ = nullptr;
   int nodes_in_package_ = 0;
 

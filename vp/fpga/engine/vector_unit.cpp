@@ -21,10 +21,9 @@ std::array<std::int32_t, 3> words(const std::vector<std::int32_t>& memory, int n
 }  // namespace
 
 VectorUnit::VectorUnit(const sc_core::sc_module_name& name, const accel::Architecture& architecture,
-                       EngineClock& clock, std::vector<std::unique_ptr<SpmxvBlock>>& blocks)
+                       std::vector<std::unique_ptr<SpmxvBlock>>& blocks)
     : sc_module(name),
       architecture_(architecture),
-      clock_(clock),
       blocks_(blocks),
       ranks_(architecture.phase_clocks()),
       group_(ranks_.size()),
@@ -38,10 +37,6 @@ VectorUnit::VectorUnit(const sc_core::sc_module_name& name, const accel::Archite
   for (std::size_t i = 0; i < blocks.size(); ++i) {
     taken.push_back(std::make_unique<Register<std::uint32_t>>());
   }
-  SC_HAS_PROCESS(VectorUnit);
-  SC_METHOD(clocked);
-  sensitive << clock_.edge();
-  dont_initialize();
 }
 
 void VectorUnit::load(int nodes) {

@@ -79,7 +79,7 @@ struct VectorMemories {
 class VectorUnit : public sc_core::sc_module {
  public:
   VectorUnit(const sc_core::sc_module_name& name, const accel::Architecture& architecture,
-             EngineClock& clock, std::vector<std::unique_ptr<SpmxvBlock>>& blocks);
+             std::vector<std::unique_ptr<SpmxvBlock>>& blocks);
 
   const Register<VectorCommand>* command = nullptr;
   Register<VectorStatus> status;
@@ -93,6 +93,7 @@ class VectorUnit : public sc_core::sc_module {
 
   // A host access, while idle.
   void load(int nodes);
+  void clocked();
   // Empties the lanes.
   void reset();
   // Sets the words and rules of the next jobs.
@@ -118,7 +119,6 @@ class VectorUnit : public sc_core::sc_module {
     std::array<std::int64_t, 3> alpha_d{}, alpha_q{}, beta_d{};
   };
 
-  void clocked();
   void begin_pass();
   void move_lanes();
   void enter_group(int accesses);
@@ -144,7 +144,6 @@ class VectorUnit : public sc_core::sc_module {
   int accesses(int nodes, int each) const;
 
   const accel::Architecture& architecture_;
-  EngineClock& clock_;
   std::vector<std::unique_ptr<SpmxvBlock>>& blocks_;
   VectorMemories memories_;
   fixed::Settings settings_;
