@@ -44,6 +44,8 @@ class Register : public sc_core::sc_prim_channel {
  public:
   Register() = default;
   const T& read() const { return now_; }
+  // What read() returns from the next edge on.
+  const T& next() const { return next_; }
   void write(const T& value) {
     next_ = value;
     request_update();

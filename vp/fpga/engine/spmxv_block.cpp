@@ -32,6 +32,8 @@ void SpmxvBlock::reset() {
   issued_rows_ = 0;
   finished_rows_ = 0;
   finished.reset();
+  // A product that was to start at the next edge is not wanted any more.
+  started_ = start->next();
 }
 
 std::span<std::int32_t> SpmxvBlock::package_words(int package) {
