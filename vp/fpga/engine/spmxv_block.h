@@ -10,6 +10,7 @@
 #include "models/accel/architecture.h"
 #include "vp/fpga/engine/engine_clock.h"
 #include "vp/fpga/engine/layout.h"
+#include "vp/fpga/engine/row_sums.h"
 
 namespace hvp::vp::engine {
 
@@ -39,6 +40,9 @@ struct DirectionWrite {
 // if it ends a row, when the result memory has room for that row. Its row is in the result memory
 // memory_read + multiplier + adder_tree edges later. The index memory is read ahead, because it
 // does not depend on any vector.
+//
+// Only the rows' last packages are followed through the pipelines. The words that the others carry
+// are made when the row is done (RowSums), which does not show: they stay in the memories.
 class SpmxvBlock : public sc_core::sc_module {
  public:
   SpmxvBlock(const sc_core::sc_module_name& name, const accel::Architecture& architecture);
@@ -57,7 +61,7 @@ class SpmxvBlock : public sc_core::sc_module {
   void clocked();
   // Empties pipelines and result memory.
   void reset();
-  // The words of a package: three rows of PL2.
+  // The words of a package, three rows of PL2, to be written or read.
   std::span<std::int32_t> package_words(int package);
   std::span<const std::int32_t> package_words(int package) const;
 
@@ -76,19 +80,10 @@ class SpmxvBlock : public sc_core::sc_module {
   std::int64_t queue_stalls() const { return queue_stalls_; }
 
  private:
-  // A package in the pipelines.
-  struct InFlight {
-    int package = -1;
-    std::array<std::int64_t, 3> sum{};
-    std::array<std::int32_t, 3> own{};
-    std::array<bool, 3> caught{};
-  };
-
   void write_direction();
-  int issue();
-  void multiply(std::size_t slot);
-  void add(std::size_t slot);
-  void accumulate(const InFlight& flight);
+  void begin_product();
+  void issue();
+  void finish_row();
 
   const accel::Architecture& architecture_;
   const Partition* partition_ = nullptr;
@@ -97,13 +92,18 @@ class SpmxvBlock : public sc_core::sc_module {
   std::vector<std::int32_t> nonzeros_;   // package by package, three rows of PL2
   std::vector<std::int32_t> direction_;  // three a node
   std::vector<RowResult> queue_;         // the result memory
+  RowSums sums_;
 
-  Ranks ranks_;
-  std::vector<InFlight> flight_;
-  std::vector<std::int64_t> products_;  // three rows of PL2 for each slot
+  // A row whose last package is in the pipelines; it has a place in the result memory.
+  struct InFlight {
+    int row = 0;            // its index in the partition
+    std::int64_t done = 0;  // the edge at which it has passed them
+  };
+  std::vector<InFlight> flight_;  // by the row's place in the result memory
+  std::int64_t edge_ = 0;
 
-  RowResult row_;  // the accumulators
   bool busy_ = false;
+  int row_ = 0;       // the row that is served
   int position_ = 0;  // the package that is served
   int served_ = 0;    // edges that the banks have spent on it
   std::uint32_t started_ = 0;
