@@ -28,6 +28,9 @@ void SpmxvBlock::reset() {
   row_ = 0;
   issued_rows_ = 0;
   finished_rows_ = 0;
+  issued_place_ = 0;
+  finished_place_ = 0;
+  next_done_ = -1;
   finished.reset();
   // A product that was to start at the next edge is not wanted any more.
   started_ = start->next();
@@ -49,9 +52,7 @@ void SpmxvBlock::clocked() {
   write_direction();
   if (start->read() != started_) begin_product();
   if (busy_) issue();
-  if (finished_rows_ != issued_rows_ && flight_[finished_rows_ % queue_.size()].done == edge_) {
-    finish_row();
-  }
+  if (edge_ == next_done_) finish_row();
 }
 
 // The copy's other port: nodes that the vector unit has written at the edge before.
@@ -83,11 +84,12 @@ void SpmxvBlock::issue() {
       ++queue_stalls_;
       return;
     }
-    flight_[issued_rows_ % queue_.size()] = {row_, edge_ + architecture_.memory_read_clocks +
-                                                       architecture_.multiplier_clocks +
-                                                       architecture_.adder_tree_clocks - 1};
-    ++issued_rows_;
-    ++row_;
+    const InFlight flight{row_++, edge_ + architecture_.memory_read_clocks +
+                                      architecture_.multiplier_clocks +
+                                      architecture_.adder_tree_clocks - 1};
+    flight_[issued_place_] = flight;
+    issued_place_ = next_place(issued_place_);
+    if (issued_rows_++ == finished_rows_) next_done_ = flight.done;
   }
   served_ = 0;
   if (++position_ == partition_->packages()) {
@@ -98,9 +100,8 @@ void SpmxvBlock::issue() {
 }
 
 void SpmxvBlock::finish_row() {
-  const std::size_t place = finished_rows_ % queue_.size();
-  const int row = flight_[place].row;
-  RowResult& result = queue_[place];
+  const int row = flight_[finished_place_].row;
+  RowResult& result = queue_[finished_place_];
   result.node = partition_->row[at(row)];
   result.sum = sums_.sum(row);
   result.own = {};
@@ -108,6 +109,8 @@ void SpmxvBlock::finish_row() {
     std::copy_n(direction_.begin() + 3 * result.node, 3, result.own.begin());
   }
   finished.write(++finished_rows_);
+  finished_place_ = next_place(finished_place_);
+  next_done_ = finished_rows_ == issued_rows_ ? -1 : flight_[finished_place_].done;
 }
 
 }  // namespace hvp::vp::engine

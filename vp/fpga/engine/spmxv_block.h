@@ -72,6 +72,11 @@ class SpmxvBlock : public sc_core::sc_module {
   }
   const std::vector<std::int32_t>& direction() const { return direction_; }
   const RowResult& result(std::uint32_t number) const { return queue_[number % queue_.size()]; }
+  // The places of the result memory, which the rows take in turn from 0 on.
+  const RowResult& result_in(std::size_t place) const { return queue_[place]; }
+  std::size_t next_place(std::size_t place) const {
+    return place + 1 == queue_.size() ? 0 : place + 1;
+  }
 
   // For traces and statistics.
   int position() const { return position_; }
@@ -100,7 +105,10 @@ class SpmxvBlock : public sc_core::sc_module {
     std::int64_t done = 0;  // the edge at which it has passed them
   };
   std::vector<InFlight> flight_;  // by the row's place in the result memory
+  std::size_t issued_place_ = 0;
+  std::size_t finished_place_ = 0;
   std::int64_t edge_ = 0;
+  std::int64_t next_done_ = -1;  // of the next row; −1: none is in the pipelines
 
   bool busy_ = false;
   int row_ = 0;       // the row that is served

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <span>
 
-#include "models/fixed/word.h"
 #include "models/index.h"
 
 namespace hvp::vp::engine {
@@ -46,14 +45,6 @@ void VectorLanes::begin(const VectorCommand& command) {
   d_shift_ = shifter(now_.d_shift);
   product_shift_ = shifter(-settings_.product_shift());
   preconditioner_shift_ = shifter(-inverse_shift_);
-}
-
-// Nearly every value has room in its word.
-std::int32_t VectorLanes::clamped(std::int64_t value, int bits) {
-  const std::int64_t limit = fixed::word_limit(bits);
-  if (value <= limit && value >= -limit) [[likely]]
-    return static_cast<std::int32_t>(value);
-  return machine_.write(value, bits);
 }
 
 void VectorLanes::write(int first_node, int nodes, const std::int32_t* direction,

@@ -8,6 +8,7 @@
 #include "models/fixed/settings.h"
 #include "models/fixed/solver.h"
 #include "models/fixed/types.h"
+#include "models/fixed/word.h"
 #include "vp/fpga/engine/word_shifter.h"
 
 namespace hvp::vp::engine {
@@ -93,7 +94,13 @@ class VectorLanes {
                                             const std::array<std::int32_t, 3>& own);
 
  private:
-  std::int32_t clamped(std::int64_t value, int bits);
+  // Nearly every value has room in its word.
+  std::int32_t clamped(std::int64_t value, int bits) {
+    const std::int64_t limit = fixed::word_limit(bits);
+    if (value <= limit && value >= -limit) [[likely]]
+      return static_cast<std::int32_t>(value);
+    return machine_.write(value, bits);
+  }
   void write_guess(std::size_t first, std::size_t count, std::int32_t* written);
   void write_residual(std::size_t first, std::size_t count, const std::int32_t* direction,
                       std::int32_t* written);

@@ -38,7 +38,7 @@ VectorUnit::VectorUnit(const sc_core::sc_module_name& name, const accel::Archite
       back_ranks_(architecture.vector_clocks()),
       back_count_(back_ranks_.size()),
       back_words_(back_ranks_.size() * at(architecture.nodes_per_clock)),
-      taken_(blocks.size()),
+      results_(blocks.size()),
       bank_written_(at(architecture.nodes_per_clock)),
       direction_words_(2 * 3 * at(architecture.nodes_per_clock)) {
   for (std::size_t i = 0; i < blocks.size(); ++i) {
@@ -49,6 +49,8 @@ VectorUnit::VectorUnit(const sc_core::sc_module_name& name, const accel::Archite
 void VectorUnit::load(int nodes) {
   nodes_ = nodes;
   lanes_.load(nodes);
+  bank_.resize(at(nodes));
+  for (int node = 0; node < nodes; ++node) bank_[at(node)] = node % architecture_.nodes_per_clock;
   reset();
 }
 
@@ -59,7 +61,7 @@ void VectorUnit::reset() {
   for (Group& group : group_) group.count = 0;
   for (int& count : back_count_) count = 0;
   for (std::size_t i = 0; i < taken.size(); ++i) {
-    taken_[i] = 0;
+    results_[i] = {};
     taken[i]->reset();
   }
 }
@@ -166,9 +168,10 @@ void VectorUnit::write(std::size_t slot) {
 
 // A row of a block that has one, if the bank of q that it goes to is free. Returns 1 or 0.
 int VectorUnit::take(std::size_t block) {
-  if (blocks_[block]->finished.read() == taken_[block]) return 0;
-  const RowResult& row = blocks_[block]->result(taken_[block]);
-  std::uint8_t& written = bank_written_[at(row.node % architecture_.nodes_per_clock)];
+  Results& results = results_[block];
+  if (blocks_[block]->finished.read() == results.taken) return 0;
+  const RowResult& row = blocks_[block]->result_in(results.place);
+  std::uint8_t& written = bank_written_[at(bank_[at(row.node)])];
   if (written != 0) return 0;
   written = 1;
   int& count = back_count_[back_ranks_.entering()];
@@ -177,7 +180,8 @@ int VectorUnit::take(std::size_t block) {
   words.node = row.node;
   if (!lanes_.command().hold) words.q = lanes_.round_product(row.node, row.sum, row.own);
   ++count;
-  taken[block]->write(++taken_[block]);
+  results.place = blocks_[block]->next_place(results.place);
+  taken[block]->write(++results.taken);
   return 1;
 }
 

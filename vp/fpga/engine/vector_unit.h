@@ -62,6 +62,11 @@ class VectorUnit : public sc_core::sc_module {
     int first = 0;
     int count = 0;
   };
+  // A block's result memory as it is read.
+  struct Results {
+    std::uint32_t taken = 0;
+    std::size_t place = 0;
+  };
   // A node's words of q on their way to the memory.
   struct ProductWords {
     int node = 0;
@@ -103,8 +108,9 @@ class VectorUnit : public sc_core::sc_module {
   Ranks back_ranks_;
   std::vector<int> back_count_;
   std::vector<ProductWords> back_words_;
-  std::vector<std::uint32_t> taken_;
+  std::vector<Results> results_;
   std::size_t first_block_ = 0;  // the block whose turn it is
+  std::vector<int> bank_;        // of q, for each node
   std::vector<std::uint8_t> bank_written_;
   std::vector<std::int32_t> direction_words_;
   int written_node_ = 0;
