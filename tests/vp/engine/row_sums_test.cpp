@@ -60,6 +60,7 @@ class RowSumsOf : public testing::TestWithParam<int> {
     sums_.load(*layout_, *partition_);
     words_.matrix.assign(at(3 * GetParam() * partition_->packages()), 0);
     words_.vector.assign(3 * at(layout_->nodes()), 0);
+    copies_.load(layout_->nodes());
   }
 
   // Calls `word` for every entry that a row uses; the others are padding.
@@ -74,7 +75,8 @@ class RowSumsOf : public testing::TestWithParam<int> {
   }
 
   void expect_exact() {
-    sums_.begin(words_.matrix, words_.vector);
+    copies_.clocked({0, layout_->nodes(), ++writes_, words_.vector.data()});
+    sums_.begin(words_.matrix, copies_);
     for (int row = 0; row < layout_->nodes(); ++row) {
       EXPECT_EQ(sums_.sum(row), accumulated(*partition_, *layout_, at(row), words_)) << row;
     }
@@ -83,6 +85,8 @@ class RowSumsOf : public testing::TestWithParam<int> {
   accel::Architecture architecture_;
   std::optional<Layout> layout_;
   const Partition* partition_ = nullptr;
+  DirectionCopies copies_;
+  std::uint32_t writes_ = 0;
   RowSums sums_;
   Words words_;
 };

@@ -36,7 +36,7 @@ CycleEngine::CycleEngine(const sc_core::sc_module_name& name,
         std::vector<std::unique_ptr<SpmxvBlock>> blocks;
         for (int i = 0; i < architecture_.partitions; ++i) {
           const std::string block = "spmxv_" + std::to_string(i);
-          blocks.push_back(std::make_unique<SpmxvBlock>(block.c_str(), architecture_));
+          blocks.push_back(std::make_unique<SpmxvBlock>(block.c_str(), architecture_, direction_));
         }
         return blocks;
       }()),
@@ -67,6 +67,9 @@ void CycleEngine::clocked() {
   sequencer_.clocked();
   divider_.clocked();
   vectors_.clocked();
+  direction_.clocked(vectors_.direction_write.read());
+  // A product begins and ends with the vector unit's pass.
+  if (vectors_.pass() != Pass::product) return;
   for (const auto& block : blocks_) block->clocked();
 }
 
@@ -74,6 +77,7 @@ void CycleEngine::load(const fixed::QuantisedMatrix& matrix, const fixed::Settin
   require_supported(settings);
   abort();
   layout_.emplace(architecture_, matrix.row_begin, matrix.column);
+  direction_.load(layout_->nodes());
   matrix_ = matrix;
   settings_ = settings;
   for (int i = 0; i < architecture_.partitions; ++i) blocks_[at(i)]->load(*layout_, i);

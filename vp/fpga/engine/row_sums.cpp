@@ -24,7 +24,7 @@ void RowSums::load(const Layout& layout, const Partition& partition) {
   row_.clear();
   node_.clear();
   words_ = 0;
-  longest_ = 0;
+  std::size_t longest = 0;  // chunks of a row
   for (std::size_t i = 0; i < partition.row.size(); ++i) {
     Row row;
     row.first_block = node_.size();
@@ -39,44 +39,38 @@ void RowSums::load(const Layout& layout, const Partition& partition) {
     }
     row.blocks = node_.size() - row.first_block;
     row.first_word = words_;
-    row.chunks = (row.blocks * kBlockColumns + kChunk - 1) / kChunk;
+    row.chunks = (row.blocks + kChunkBlocks - 1) / kChunkBlocks;
     row.has_own_block = std::find(node_.begin() + static_cast<std::ptrdiff_t>(row.first_block),
                                   node_.end(), partition.row[i]) != node_.end();
     words_ += 3 * kChunk * row.chunks;
-    longest_ = std::max(longest_, row.chunks);
+    longest = std::max(longest, row.chunks);
     row_.push_back(row);
   }
-  matrix_copied_ = false;
+  narrow_words_.gathered.assign(kChunk * longest, 0);
+  wide_words_.gathered.assign(kChunk * longest, 0);
+  matrix_written();
 }
 
-void RowSums::begin(std::span<const std::int32_t> nonzeros, std::span<const std::int32_t> vector) {
-  if (!matrix_copied_) matrix_bits_ = magnitude_bits(nonzeros);
-  const int vector_bits = magnitude_bits(vector);
-  // A sum of so many products, each up to 2^(matrix_bits + vector_bits), has to fit into 32 bits.
-  constexpr int kGrowth = std::bit_width(3 * kChunk / kBlockColumns);
-  const bool narrow =
-      matrix_bits_ <= 15 && vector_bits <= 15 && matrix_bits_ + vector_bits + kGrowth <= 31;
-  if (narrow != narrow_) matrix_copied_ = false;
-  narrow_ = narrow;
+void RowSums::begin(std::span<const std::int32_t> nonzeros, DirectionCopies& vector) {
+  if (!narrow_words_.copied && !wide_words_.copied) matrix_bits_ = magnitude_bits(nonzeros);
+  const DirectionCopies::Operand& operand = vector.operand();
+  // A sum of so many products, each up to 2^(matrix_bits + operand.bits), has to fit into 32 bits.
+  constexpr int kGrowth = std::bit_width(3 * kChunkBlocks);
+  narrow_ = matrix_bits_ <= 15 && operand.bits <= 15 && matrix_bits_ + operand.bits + kGrowth <= 31;
+  narrow_words_.vector = operand.narrow.data();
+  wide_words_.vector = vector.words().data();
   if (narrow_) {
-    copy(narrow_words_, nonzeros, vector);
+    copy_matrix(nonzeros, narrow_words_);
   } else {
-    copy(wide_words_, nonzeros, vector);
+    copy_matrix(nonzeros, wide_words_);
   }
-  matrix_copied_ = true;
 }
 
-template <class Word>
-void RowSums::copy(Operands<Word>& to, std::span<const std::int32_t> nonzeros,
-                   std::span<const std::int32_t> vector) const {
-  to.vector.resize(kBlockColumns * (vector.size() / 3));
-  for (std::size_t node = 0; node < vector.size() / 3; ++node) {
-    for (std::size_t c = 0; c < 3; ++c) {
-      to.vector[kBlockColumns * node + c] = static_cast<Word>(vector[3 * node + c]);
-    }
-  }
-  if (matrix_copied_) return;
-  to.gathered.assign(kChunk * longest_, 0);
+template <class Word, std::size_t stride>
+void RowSums::copy_matrix(std::span<const std::int32_t> nonzeros,
+                          Operands<Word, stride>& to) const {
+  if (to.copied) return;
+  to.copied = true;
   to.matrix.assign(words_, 0);
   for (std::size_t i = 0; i < row_.size(); ++i) {
     const std::size_t first_package = at(partition_->first_package[i]);
@@ -91,13 +85,14 @@ void RowSums::copy(Operands<Word>& to, std::span<const std::int32_t> nonzeros,
   }
 }
 
-template <class Sum, class Word>
-std::array<std::int64_t, 3> RowSums::sum_of(Operands<Word>& operands, const Row& row) const {
+template <class Sum, class Word, std::size_t stride>
+std::array<std::int64_t, 3> RowSums::sum_of(Operands<Word, stride>& operands,
+                                            const Row& row) const {
   // What lies in the last chunk behind the row's blocks is multiplied by zeros.
   Word* gathered = operands.gathered.data();
   for (std::size_t block = 0; block < row.blocks; ++block, gathered += kBlockColumns) {
-    std::copy_n(&operands.vector[kBlockColumns * at(node_[row.first_block + block])], kBlockColumns,
-                gathered);
+    const std::size_t node = at(node_[row.first_block + block]);
+    std::copy_n(operands.vector + stride * node, stride, gathered);
   }
   std::array<std::int64_t, 3> sums{};
   const Word* a = &operands.matrix[row.first_word];

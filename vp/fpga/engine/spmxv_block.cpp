@@ -6,17 +6,17 @@
 
 namespace hvp::vp::engine {
 
-SpmxvBlock::SpmxvBlock(const sc_core::sc_module_name& name, const accel::Architecture& architecture)
+SpmxvBlock::SpmxvBlock(const sc_core::sc_module_name& name, const accel::Architecture& architecture,
+                       DirectionCopies& direction)
     : sc_module(name),
       architecture_(architecture),
+      direction_(direction),
       queue_(at(architecture.result_queue)),
       flight_(queue_.size()) {}
 
 void SpmxvBlock::load(const Layout& layout, int partition) {
   partition_ = &layout.partitions()[at(partition)];
-  nodes_in_package_ = layout.nodes_in_package();
   nonzeros_.assign(3 * at(architecture_.package * partition_->packages()), 0);
-  direction_.assign(3 * at(layout.nodes()), 0);
   sums_.load(layout, *partition_);
   reset();
 }
@@ -49,18 +49,9 @@ std::span<const std::int32_t> SpmxvBlock::package_words(int package) const {
 
 void SpmxvBlock::clocked() {
   ++edge_;
-  write_direction();
   if (start->read() != started_) begin_product();
   if (busy_) issue();
   if (edge_ == next_done_) finish_row();
-}
-
-// The copy's other port: nodes that the vector unit has written at the edge before.
-void SpmxvBlock::write_direction() {
-  const DirectionWrite& write = direction_write->read();
-  if (write.number == written_) return;
-  written_ = write.number;
-  std::copy_n(write.words, 3 * write.count, direction_.begin() + 3 * write.first);
 }
 
 void SpmxvBlock::begin_product() {
@@ -106,7 +97,7 @@ void SpmxvBlock::finish_row() {
   result.sum = sums_.sum(row);
   result.own = {};
   if (sums_.has_own_block(row)) {
-    std::copy_n(direction_.begin() + 3 * result.node, 3, result.own.begin());
+    std::copy_n(direction(result.node), 3, result.own.begin());
   }
   finished.write(++finished_rows_);
   finished_place_ = next_place(finished_place_);

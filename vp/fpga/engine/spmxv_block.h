@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "models/accel/architecture.h"
+#include "vp/fpga/engine/direction_copies.h"
 #include "vp/fpga/engine/engine_clock.h"
 #include "vp/fpga/engine/layout.h"
 #include "vp/fpga/engine/row_sums.h"
@@ -24,14 +25,6 @@ struct RowResult {
   std::array<std::int32_t, 3> own{};
 };
 
-// The nodes of a vector that are written into the copies at one edge.
-struct DirectionWrite {
-  int first = 0;
-  int count = 0;
-  std::uint32_t number = 0;             // counts the writes, so that none is taken twice
-  const std::int32_t* words = nullptr;  // three a node
-};
-
 // The SpMxV sub-block of thesis Fig. 5.5, one for each partition: non-zero memory and index memory,
 // its own copy of the multiplied vector, PL1 × PL2 multipliers, adder trees and accumulators, and a
 // memory for finished rows.
@@ -45,7 +38,8 @@ struct DirectionWrite {
 // are made when the row is done (RowSums), which does not show: they stay in the memories.
 class SpmxvBlock : public sc_core::sc_module {
  public:
-  SpmxvBlock(const sc_core::sc_module_name& name, const accel::Architecture& architecture);
+  SpmxvBlock(const sc_core::sc_module_name& name, const accel::Architecture& architecture,
+             DirectionCopies& direction);
 
   // From the sequencer; every change starts a product.
   const Register<std::uint32_t>* start = nullptr;
@@ -68,9 +62,9 @@ class SpmxvBlock : public sc_core::sc_module {
   const Partition& partition() const { return *partition_; }
   // The second half of a dual-port memory: the vector unit's port on this copy of d.
   const std::int32_t* direction(int node) const {
-    return &direction_[3 * static_cast<std::size_t>(node)];
+    return &direction()[3 * static_cast<std::size_t>(node)];
   }
-  const std::vector<std::int32_t>& direction() const { return direction_; }
+  const std::vector<std::int32_t>& direction() const { return direction_.words(); }
   const RowResult& result(std::uint32_t number) const { return queue_[number % queue_.size()]; }
   // The places of the result memory, which the rows take in turn from 0 on.
   const RowResult& result_in(std::size_t place) const { return queue_[place]; }
@@ -85,18 +79,16 @@ class SpmxvBlock : public sc_core::sc_module {
   std::int64_t queue_stalls() const { return queue_stalls_; }
 
  private:
-  void write_direction();
   void begin_product();
   void issue();
   void finish_row();
 
   const accel::Architecture& architecture_;
   const Partition* partition_ = nullptr;
-  int nodes_in_package_ = 0;
+  DirectionCopies& direction_;
 
-  std::vector<std::int32_t> nonzeros_;   // package by package, three rows of PL2
-  std::vector<std::int32_t> direction_;  // three a node
-  std::vector<RowResult> queue_;         // the result memory
+  std::vector<std::int32_t> nonzeros_;  // package by package, three rows of PL2
+  std::vector<RowResult> queue_;        // the result memory
   RowSums sums_;
 
   // A row whose last package is in the pipelines; it has a place in the result memory.
@@ -115,7 +107,6 @@ class SpmxvBlock : public sc_core::sc_module {
   int position_ = 0;  // the package that is served
   int served_ = 0;    // edges that the banks have spent on it
   std::uint32_t started_ = 0;
-  std::uint32_t written_ = 0;
   std::uint32_t issued_rows_ = 0;
   std::uint32_t finished_rows_ = 0;
   std::int64_t bank_stalls_ = 0;
