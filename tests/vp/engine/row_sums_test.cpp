@@ -2,6 +2,7 @@
 #include "vp/fpga/engine/row_sums.h"
 
 #include <array>
+#include <cmath>
 #include <cstdint>
 #include <optional>
 #include <string>
@@ -114,7 +115,7 @@ TEST_P(RowSumsOf, AreExactWithTheLargestWordsOfEveryWidth) {
 TEST_P(RowSumsOf, FollowTheWordsFromProductToProduct) {
   fixed::test::Random random(11);
   const auto draw = [&](int bits) {
-    return static_cast<std::int32_t>(random.symmetric() * (std::int64_t{1} << bits));
+    return static_cast<std::int32_t>(std::ldexp(random.symmetric(), bits));
   };
   for (int product = 0; product < 60; ++product) {
     SCOPED_TRACE("product " + std::to_string(product));

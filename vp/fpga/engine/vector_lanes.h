@@ -85,9 +85,9 @@ class VectorLanes {
   // The pass' sums over the words written so far.
   const VectorStatus& status() const { return status_; }
 
-  // Every pass but copy and product: writes `count` nodes from `first` on. `direction` has their
-  // words of d, `written` gets those for the copies of d if the pass makes such.
-  void write(int first, int count, const std::int32_t* direction, std::int32_t* written);
+  // Every pass but copy and product: writes `nodes` nodes from `first_node` on. `direction` has
+  // their words of d, `written` gets those for the copies of d if the pass makes such.
+  void write(int first_node, int nodes, const std::int32_t* direction, std::int32_t* written);
   // The product: the words of q from the exact sums of a node's rows, rounded and clamped once, and
   // its part of the pass' sums. `own` has the node's words of the multiplied vector.
   std::array<std::int32_t, 3> round_product(int node, const std::array<std::int64_t, 3>& sum,
