@@ -23,7 +23,7 @@ void RowSums::load(const Layout& layout, const Partition& partition) {
   package_columns_ = at(layout.package_columns());
   row_.clear();
   node_.clear();
-  words_ = 0;
+  std::size_t words = 0;    // of Operands::matrix
   std::size_t longest = 0;  // chunks of a row
   for (std::size_t i = 0; i < partition.row.size(); ++i) {
     Row row;
@@ -38,16 +38,21 @@ void RowSums::load(const Layout& layout, const Partition& partition) {
       }
     }
     row.blocks = node_.size() - row.first_block;
-    row.first_word = words_;
+    row.first_word = words;
     row.chunks = (row.blocks + kChunkBlocks - 1) / kChunkBlocks;
     row.has_own_block = std::find(node_.begin() + static_cast<std::ptrdiff_t>(row.first_block),
                                   node_.end(), partition.row[i]) != node_.end();
-    words_ += 3 * kChunk * row.chunks;
+    words += 3 * kChunk * row.chunks;
     longest = std::max(longest, row.chunks);
     row_.push_back(row);
   }
-  narrow_words_.gathered.assign(kChunk * longest, 0);
-  wide_words_.gathered.assign(kChunk * longest, 0);
+  // Both, since nothing is allocated once a job runs.
+  const auto allocate = [&](auto& operands) {
+    operands.matrix.assign(words, 0);
+    operands.gathered.assign(kChunk * longest, 0);
+  };
+  allocate(narrow_words_);
+  allocate(wide_words_);
   matrix_written();
 }
 
@@ -71,7 +76,6 @@ void RowSums::copy_matrix(std::span<const std::int32_t> nonzeros,
                           Operands<Word, stride>& to) const {
   if (to.copied) return;
   to.copied = true;
-  to.matrix.assign(words_, 0);
   for (std::size_t i = 0; i < row_.size(); ++i) {
     const std::size_t first_package = at(partition_->first_package[i]);
     for (std::size_t column = 0; column < 3 * row_[i].blocks; ++column) {

@@ -65,7 +65,6 @@ class RowSums {
   std::size_t package_columns_ = 0;
   std::vector<Row> row_;
   std::vector<int> node_;  // the block columns, row by row
-  std::size_t words_ = 0;  // of Operands::matrix
   int matrix_bits_ = 0;
   bool narrow_ = false;  // which of the two is in use
   Operands<std::int16_t, 4> narrow_words_;
