@@ -311,6 +311,39 @@ TEST(Words, AnAbortedSolveLeavesTheEngineUsable) {
   }
 }
 
+// Between two edges a command may have been given that no unit has taken yet.
+TEST(Words, ASolveMayBeAbortedBetweenAnyTwoEdges) {
+  const fixed::QuantisedMatrix matrix = fixed::quantise(test::box_stiffness(2, 2, 2), 12);
+  const auto b = test::random_words(matrix.rows(), 3000, 5);
+  const std::vector<std::int32_t> guess(b.size(), 0);
+  CycleEngine engine("engine", {});
+  Settings s;
+  s.iterations = 2;
+  std::vector<std::int32_t> x(b.size());
+  const auto start = [&] {
+    engine.load(matrix, s);
+    engine.write_b(b);
+    engine.write_x(guess);
+    engine.start_solve(s);
+  };
+  start();
+  run_until_idle(engine);
+  const std::int64_t clocks = engine.clocks();
+  const std::vector<std::int32_t> expected = fixed::test::solve(s, matrix, b, guess).x;
+  for (int edges = 0; edges < clocks; ++edges) {
+    SCOPED_TRACE("aborted after " + std::to_string(edges) + " edges");
+    start();
+    sc_core::sc_start(10 * edges + 5, sc_core::SC_NS);
+    engine.abort();
+    run_until_idle(engine);
+    start();
+    run_until_idle(engine);
+    engine.read_x(x);
+    ASSERT_EQ(x, expected);
+    ASSERT_EQ(engine.clocks(), clocks);
+  }
+}
+
 TEST(Words, WhatTheEngineCannotDoIsRefusedByKey) {
   CycleEngine engine("engine", {});
   const fixed::QuantisedMatrix matrix = fixed::quantise(test::box_stiffness(2, 2, 2), 12);

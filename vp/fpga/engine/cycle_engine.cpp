@@ -31,19 +31,19 @@ CycleEngine::CycleEngine(const sc_core::sc_module_name& name,
                          const accel::Architecture& architecture)
     : sc_module(name),
       architecture_((require_supported(architecture), architecture)),
-      clock_("clock", architecture.clock_period_ps()),
+      clock_("clock", architecture.clock_period_ps(), [this] { clocked(); }),
       blocks_([this] {
         std::vector<std::unique_ptr<SpmxvBlock>> blocks;
         for (int i = 0; i < architecture_.partitions; ++i) {
           const std::string block = "spmxv_" + std::to_string(i);
-          blocks.push_back(std::make_unique<SpmxvBlock>(block.c_str(), architecture_, clock_));
+          blocks.push_back(std::make_unique<SpmxvBlock>(block.c_str(), architecture_, direction_));
         }
         return blocks;
       }()),
-      vectors_("vector_unit", architecture_, clock_, blocks_),
-      divider_("divider", clock_),
+      vectors_("vector_unit", architecture_, blocks_),
+      divider_("divider"),
       sequencer_("sequencer", clock_),
-      editor_("matrix_editor", architecture_, clock_, blocks_),
+      editor_("matrix_editor", architecture_, blocks_),
       done_("done") {
   for (std::size_t i = 0; i < blocks_.size(); ++i) {
     blocks_[i]->start = &sequencer_.product_start;
@@ -60,10 +60,24 @@ CycleEngine::CycleEngine(const sc_core::sc_module_name& name,
   editor_.finished = [this] { end_editing(); };
 }
 
+// What one unit writes at an edge the others read from the next one on, so that their order does
+// not matter.
+void CycleEngine::clocked() {
+  editor_.clocked();
+  sequencer_.clocked();
+  divider_.clocked();
+  vectors_.clocked();
+  direction_.clocked(vectors_.direction_write.read());
+  // A product begins and ends with the vector unit's pass.
+  if (vectors_.pass() != Pass::product) return;
+  for (const auto& block : blocks_) block->clocked();
+}
+
 void CycleEngine::load(const fixed::QuantisedMatrix& matrix, const fixed::Settings& settings) {
   require_supported(settings);
   abort();
   layout_.emplace(architecture_, matrix.row_begin, matrix.column);
+  direction_.load(layout_->nodes());
   matrix_ = matrix;
   settings_ = settings;
   for (int i = 0; i < architecture_.partitions; ++i) blocks_[at(i)]->load(*layout_, i);

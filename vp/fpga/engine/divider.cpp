@@ -4,14 +4,6 @@
 
 namespace hvp::vp::engine {
 
-Divider::Divider(const sc_core::sc_module_name& name, EngineClock& clock)
-    : sc_module(name), clock_(clock) {
-  SC_HAS_PROCESS(Divider);
-  SC_METHOD(clocked);
-  sensitive << clock_.edge();
-  dont_initialize();
-}
-
 void Divider::configure(const fixed::Settings& settings, int clocks) {
   settings_ = settings;
   clocks_ = clocks;

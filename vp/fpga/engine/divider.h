@@ -32,7 +32,7 @@ struct Quotient {
 // clocks do not depend on its words.
 class Divider : public sc_core::sc_module {
  public:
-  Divider(const sc_core::sc_module_name& name, EngineClock& clock);
+  explicit Divider(const sc_core::sc_module_name& name) : sc_module(name) {}
 
   const Register<DivisionCommand>* command = nullptr;
   Register<Quotient> quotient;
@@ -40,6 +40,7 @@ class Divider : public sc_core::sc_module {
   // Sets the words and rules of the next jobs. `clocks` are at least
   // fixed::shortest_division(settings).
   void configure(const fixed::Settings& settings, int clocks);
+  void clocked();
   void reset() { busy_ = false; }
   fixed::Report& report() { return report_; }
   bool busy() const { return busy_; }
@@ -47,11 +48,9 @@ class Divider : public sc_core::sc_module {
  private:
   enum class Phase { divide, rescale, wait };
 
-  void clocked();
   void begin();
   void take_quotient();
 
-  EngineClock& clock_;
   fixed::Settings settings_;
   fixed::Report report_;
   fixed::DivisionSteps division_;

@@ -17,14 +17,9 @@ int divisions_a_node(fixed::Method method) {
 }  // namespace
 
 MatrixEditor::MatrixEditor(const sc_core::sc_module_name& name,
-                           const accel::Architecture& architecture, EngineClock& clock,
+                           const accel::Architecture& architecture,
                            std::vector<std::unique_ptr<SpmxvBlock>>& blocks)
-    : sc_module(name), architecture_(architecture), clock_(clock), blocks_(blocks) {
-  SC_HAS_PROCESS(MatrixEditor);
-  SC_METHOD(clocked);
-  sensitive << clock_.edge();
-  dont_initialize();
-}
+    : sc_module(name), architecture_(architecture), blocks_(blocks) {}
 
 void MatrixEditor::load(const Layout& layout, const std::vector<std::uint8_t>& contact) {
   layout_ = &layout;

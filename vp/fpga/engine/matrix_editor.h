@@ -9,7 +9,6 @@
 
 #include "models/accel/architecture.h"
 #include "models/fixed/settings.h"
-#include "vp/fpga/engine/engine_clock.h"
 #include "vp/fpga/engine/layout.h"
 #include "vp/fpga/engine/spmxv_block.h"
 
@@ -22,7 +21,7 @@ namespace hvp::vp::engine {
 class MatrixEditor : public sc_core::sc_module {
  public:
   MatrixEditor(const sc_core::sc_module_name& name, const accel::Architecture& architecture,
-               EngineClock& clock, std::vector<std::unique_ptr<SpmxvBlock>>& blocks);
+               std::vector<std::unique_ptr<SpmxvBlock>>& blocks);
 
   std::function<void()> finished;
 
@@ -35,6 +34,7 @@ class MatrixEditor : public sc_core::sc_module {
   void restore(int node, std::span<const std::int32_t> row, const fixed::Settings& settings);
   // Makes P⁻¹ of all nodes.
   void invert_all(const fixed::Settings& settings);
+  void clocked();
   void abort() { busy_ = false; }
   // True if all packages are written and the pipelines are empty with the next edge.
   bool at_last_edge() const { return next_visit_ == visits_.size() && drain_ <= 1; }
@@ -56,12 +56,10 @@ class MatrixEditor : public sc_core::sc_module {
   };
 
   void begin(int node, const fixed::Settings& settings);
-  void clocked();
   void visit(const Visit& visit);
   std::int32_t word(const Visit& visit, int block_column, int row, int column) const;
 
   const accel::Architecture& architecture_;
-  EngineClock& clock_;
   std::vector<std::unique_ptr<SpmxvBlock>>& blocks_;
   const Layout* layout_ = nullptr;
   std::vector<std::uint8_t> contact_;  // one bit for each node

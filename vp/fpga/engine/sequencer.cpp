@@ -44,14 +44,6 @@ const char* name(State state) {
   return "";
 }
 
-Sequencer::Sequencer(const sc_core::sc_module_name& name, EngineClock& clock)
-    : sc_module(name), clock_(clock) {
-  SC_HAS_PROCESS(Sequencer);
-  SC_METHOD(clocked);
-  sensitive << clock_.edge();
-  dont_initialize();
-}
-
 void Sequencer::start(const fixed::Settings& settings, int inverse_shift, bool has_previous) {
   settings_ = settings;
   inverse_shift_ = inverse_shift;

@@ -53,7 +53,8 @@ struct Scalars {
 // thesis §4.2). It acts when a unit reports its end, and never counts clocks.
 class Sequencer : public sc_core::sc_module {
  public:
-  Sequencer(const sc_core::sc_module_name& name, EngineClock& clock);
+  Sequencer(const sc_core::sc_module_name& name, const EngineClock& clock)
+      : sc_module(name), clock_(clock) {}
 
   Register<std::uint32_t> product_start;  // to the SpMxV blocks
   Register<VectorCommand> vector_command;
@@ -67,6 +68,7 @@ class Sequencer : public sc_core::sc_module {
   std::function<void()> finished;
   std::function<void()> copied;  // the copies of d contain x
 
+  void clocked();
   // Starts a solve, whose first pass begins at once; x has to be in the copies of d.
   // `inverse_shift` is that of P⁻¹·r. `has_previous`: an extrapolated start has a solution before
   // x.
@@ -83,7 +85,6 @@ class Sequencer : public sc_core::sc_module {
   const StateClocks& state_clocks() const { return state_clocks_; }
 
  private:
-  void clocked();
   void pass_is_over(const VectorStatus& status);
   void take_quotient(const Quotient& taken);
 
@@ -104,7 +105,7 @@ class Sequencer : public sc_core::sc_module {
   bool reached() const;
   bool replaces();
 
-  EngineClock& clock_;
+  const EngineClock& clock_;
   fixed::Settings settings_;
   fixed::Report report_;
   fixed::ReferenceMachine machine_{settings_, report_};
