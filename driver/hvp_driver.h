@@ -100,7 +100,7 @@ struct hvp_solver_config {
   hvp_start_from start;
   uint32_t iterations;     // 1 to 65535
   uint64_t stop_residual;  // ends a job once ‖r‖ <= t·‖b‖: the bits of t, an IEEE 754 double
-                           // from 0 to 1; 0: the count alone
+                           // from 2^-511 to 1; 0: the count alone
   uint32_t replace_every;      // iterations after which r is formed anew, up to 65535; 0: never
   uint32_t static_shift;       // m of the static scale 2^m (thesis §4.2), 0 to 63
   bool dynamic_scaling;        // thesis §4.2

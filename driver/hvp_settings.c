@@ -23,6 +23,7 @@ SAME(HVP_ROUND_TRUNCATION, HVP_ROUNDING_MODE_TRUNCATION);
 
 // Doubles from 0 to 1 are in the order of their bits; those below zero and NaN lie above.
 #define BITS_OF_ONE ((uint64_t)0x3ff00000 << 32U)
+#define BITS_OF_LEAST_RESIDUAL ((uint64_t)0x20000000 << 32U) /* 2^-511 */
 
 static bool preconditioned(const struct hvp_solver_config* config) {
   return config->method == HVP_METHOD_JACOBI_PCG || config->method == HVP_METHOD_BLOCK_JACOBI_PCG;
@@ -49,8 +50,10 @@ static bool possible(const struct hvp_solver_config* config) {
                      config->alpha_fraction <= 63U && config->beta_fraction <= 63U;
   const bool scaling = config->static_shift <= 63U && config->headroom_bits <= 15U &&
                        config->scaling_threshold <= 31U && config->scaling_step <= 31U;
-  const bool counts = hvp_between(config->iterations, 1U, 0xffffU) &&
-                      config->replace_every <= 0xffffU && config->stop_residual <= BITS_OF_ONE;
+  const bool counts =
+      hvp_between(config->iterations, 1U, 0xffffU) && config->replace_every <= 0xffffU &&
+      (config->stop_residual == 0U ||
+       (config->stop_residual >= BITS_OF_LEAST_RESIDUAL && config->stop_residual <= BITS_OF_ONE));
   return choices && words && scaling && counts;
 }
 

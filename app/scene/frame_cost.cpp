@@ -133,7 +133,7 @@ std::vector<FrameStep> renewal_steps(const Scene& scene) {
   add("send the values", s.fidelity.bus,
       send_ps(s, payload_bytes(s, s.solver.matrix_bits, static_cast<std::int64_t>(entries))));
   add("load values: the board", s.fidelity.accelerator,
-      scene.board().load(s.solver.method) * s.accelerator.clock_period_ps());
+      scene.board().load(s.solver) * s.accelerator.clock_period_ps());
   return steps;
 }
 

@@ -173,6 +173,7 @@ void Scene::build_body(const Progress& progress, Limits limits) {
         scenario_.accelerator.clock_hz =
             accel::fastest_clock({device_, s.accelerator, words, pattern_of_matrix.nodes()});
       }
+      accel::require_division(s.accelerator, computation_->board().settings());
       board_.emplace(s.accelerator, std::move(pattern_of_matrix));
       usage_ = accel::board_usage(device_, s.accelerator, words, *board_);
       if (limits == Limits::reported) return;

@@ -186,6 +186,7 @@ class Board {
 
 Board make_board(const fixed::System& system, const SolveTask& task) {
   try {
+    accel::require_division(task.settings.accelerator, system.settings);
     return {system, task};
   } catch (const InputError& e) {
     throw InputError(e.key().empty() ? "accelerator" : "accelerator." + e.key(), e.what());

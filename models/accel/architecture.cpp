@@ -1,5 +1,7 @@
 #include "models/accel/architecture.h"
 
+#include <bit>
+
 #include "models/config/effects.h"
 #include "models/config/input_error.h"
 #include "models/time/picoseconds.h"
@@ -62,7 +64,7 @@ void Architecture::declare(config::Visitor& v) {
             {"s: packages that every row has, padded; 0: as many as it needs",
              "thesis section 5.3 leaves s to the mesh"});
   v.integer("nodes_per_clock", nodes_per_clock, {1, 64},
-            {"L: nodes the vector unit takes in a clock",
+            {"L: nodes the vector unit takes in a clock, a power of two",
              "2, from 21 multipliers in section 6.1; the thesis does not say"});
   v.integer("pipeline_clocks", pipeline_clocks, {0, 1000},
             {"clocks from the first operand of a phase to its last result: the three depths below "
@@ -81,12 +83,14 @@ void Architecture::declare(config::Visitor& v) {
             {"a register between absolute value and multiplier, which are the critical path of "
              "thesis Fig. 5.10: one clock more in every pipeline",
              "thesis section 5.5"});
-  v.integer("division_clocks", division_clocks, {1, 1000},
-            {"clocks of one division of 64-bit scalars; twice as many with 128",
-             "assumed: one a bit of a 64-bit quotient, and 4"});
   v.integer(
-      "result_queue", result_queue, {1, 1024},
-      {"rows that a partition finishes ahead of the vector unit", "assumed: an M512's words"});
+      "division_clocks", division_clocks, {0, 1000},
+      {"clocks of one division and the re-scaling behind it; 0: as many as they take, 68 with "
+       "the thesis' words",
+       "a step a clock: docs/accelerator.md; the thesis does not say"});
+  v.integer("result_queue", result_queue, {1, 1024},
+            {"rows that a partition finishes ahead of the vector unit, a power of two",
+             "assumed: an M512's words"});
   v.choice("direction_memory", direction_memory,
            {{"double-pumped", DirectionMemory::double_pumped},
             {"two-copies", DirectionMemory::two_copies},
@@ -95,7 +99,7 @@ void Architecture::declare(config::Visitor& v) {
             "not, and a third read of a bank takes another clock",
             "two copies do not fit the EP2S60; the thesis does not say"});
   v.integer("direction_banks", direction_banks, {1, 64},
-            {"memories that the nodes of a component of d are dealt to in turn",
+            {"memories that the nodes of a component of d are dealt to in turn, a power of two",
              "thesis Fig. 5.9: one a component"});
   constexpr std::string_view kWidest =
       "thesis section 5.4: M4K, of which a Stratix II reads most bits a clock";
@@ -133,6 +137,18 @@ void Architecture::declare(config::Visitor& v) {
 }
 
 void Architecture::check() const {
+  // A node's memory and place are bits of its number, and a queue's place wraps like a counter.
+  const auto power_of_two = [](const char* key, int value) {
+    const auto bits = static_cast<unsigned>(value);
+    if (std::has_single_bit(bits)) return;
+    throw InputError(key, "found " + std::to_string(value) + ", expected a power of two, as " +
+                              std::to_string(std::bit_floor(bits)) + " or " +
+                              std::to_string(std::bit_ceil(bits)) +
+                              ": hardware has no division for addresses");
+  };
+  power_of_two("nodes_per_clock", nodes_per_clock);
+  power_of_two("direction_banks", direction_banks);
+  power_of_two("result_queue", result_queue);
   if (vector_clocks() < 1) {
     throw InputError("pipeline_clocks",
                      "expected more than memory_read_clocks, multiplier_clocks and "

@@ -1,10 +1,13 @@
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 #include <optional>
 #include <string>
 
 #include "models/config/declaration.h"
+#include "models/fixed/division.h"
+#include "models/fixed/settings.h"
 
 namespace hvp::accel {
 
@@ -66,8 +69,8 @@ struct Architecture {
   int adder_tree_clocks = 4;
   // A register between the absolute value and the multiplier of Fig. 5.10, which adds a clock.
   bool absolute_value_register = false;
-  int division_clocks = 68;
-  int result_queue = 16;  // finished rows that the vector unit has not yet taken, of a partition
+  int division_clocks = 0;  // at least; 0: as many as the solver's words take
+  int result_queue = 16;    // finished rows that the vector unit has not yet taken, of a partition
   DirectionMemory direction_memory = DirectionMemory::double_pumped;
   int direction_banks = 1;  // memories to which a component of d is dealt, node by node
   MatrixStorage matrix_storage = MatrixStorage::full;
@@ -90,6 +93,14 @@ struct Architecture {
   int phase_clocks() const { return pipeline_clocks + (absolute_value_register ? 1 : 0); }
   int vector_clocks() const {
     return phase_clocks() - memory_read_clocks - multiplier_clocks - adder_tree_clocks;
+  }
+  // The clocks of a division, re-scaling included, and those of a quotient of P⁻¹. What the host
+  // sets at run time may take more than division_clocks.
+  std::int64_t division(const fixed::Settings& settings) const {
+    return std::max(division_clocks, fixed::shortest_division(settings));
+  }
+  std::int64_t inverse_division(const fixed::Settings& settings) const {
+    return std::max<std::int64_t>(division(settings), fixed::shortest_inverse_division(settings));
   }
   // The accesses a clock that a bank of d has, and how many of them a write takes.
   int direction_accesses() const { return direction_memory == DirectionMemory::stall ? 2 : 4; }

@@ -22,14 +22,14 @@ SolveCycles BoardClocks::solve(const SolveWork& work) const {
 }
 
 std::int64_t BoardClocks::node_update(int node, std::span<const int> neighbours,
-                                      fixed::Method method) const {
-  if (several_) return several_->node_update(pattern_, node, neighbours, method);
-  return node_update_cycles(architecture_, pattern_, node, neighbours, method);
+                                      const fixed::Settings& settings) const {
+  if (several_) return several_->node_update(pattern_, node, neighbours, settings);
+  return node_update_cycles(architecture_, pattern_, node, neighbours, settings);
 }
 
-std::int64_t BoardClocks::load(fixed::Method method) const {
-  if (several_) return several_->load(pattern_, method);
-  return load_cycles(architecture_, pattern_, method);
+std::int64_t BoardClocks::load(const fixed::Settings& settings) const {
+  if (several_) return several_->load(pattern_, settings);
+  return load_cycles(architecture_, pattern_, settings);
 }
 
 namespace {

@@ -23,8 +23,9 @@ class BoardClocks {
 
   SolveCycles solve(const SolveWork& work) const;
   // The board's counterparts of node_update_cycles() and load_cycles() of cycles.h.
-  std::int64_t node_update(int node, std::span<const int> neighbours, fixed::Method method) const;
-  std::int64_t load(fixed::Method method) const;
+  std::int64_t node_update(int node, std::span<const int> neighbours,
+                           const fixed::Settings& settings) const;
+  std::int64_t load(const fixed::Settings& settings) const;
 
  private:
   Architecture architecture_;

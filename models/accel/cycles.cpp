@@ -48,12 +48,6 @@ int divisions_a_node(Method method) {
   return method == Method::block_jacobi_pcg ? 6 : 0;
 }
 
-// A shift-and-subtract divider takes a clock a bit; division_clocks are those of 64-bit scalars.
-// Command and quotient stand in registers, which makes two clocks of the shortest.
-std::int64_t division_clocks(const Architecture& a, int scalar_bits) {
-  return std::max<std::int64_t>(2, std::int64_t{a.division_clocks} * scalar_bits / 64);
-}
-
 // β²·dᵀA·d of the methods that carry it: two products of a mantissa and a scalar, in one
 // multiplier of 18 × 18 that takes 17 bits of the scalar's magnitude a clock.
 std::int64_t curvature_clocks(int scalar_bits) { return 2 * ((scalar_bits - 1 + 16) / 17); }
@@ -120,6 +114,7 @@ SolveWork longest_solve(const fixed::Settings& s) {
   work.stop_test = s.stop_residual > 0;
   work.dynamic_scaling = s.dynamic_scaling;
   work.scalar_bits = s.scalar_bits;
+  work.shortest_division = fixed::shortest_division(s);
   work.vector_bits = s.vector_bits;
   return work;
 }
@@ -153,7 +148,7 @@ Passes passes_of(const Architecture& a, const UnitClocks& units, const SolveWork
   Passes pass;
   pass.product = units.product;
   pass.vectors = units.vectors;
-  pass.division = division_clocks(a, work.scalar_bits);
+  pass.division = std::max(a.division_clocks, work.shortest_division);
   pass.scaled = work.dynamic_scaling ? units.vectors.alone : 0;
   return pass;
 }
@@ -181,7 +176,7 @@ SolveCycles solve_cycles(const Passes& pass, const SolveWork& work) {
 }
 
 std::int64_t node_update_cycles(const Architecture& a, const Pattern& whole, int node,
-                                std::span<const int> neighbours, Method method) {
+                                std::span<const int> neighbours, const fixed::Settings& settings) {
   const bool symmetric = a.matrix_storage == MatrixStorage::symmetric;
   Pattern scratch;
   const Pattern& p = stored_pattern(a, whole, scratch);
@@ -192,18 +187,29 @@ std::int64_t node_update_cycles(const Architecture& a, const Pattern& whole, int
     const bool searched = n != node && !(symmetric && n > node);
     if (searched) clocks += packages_of(a, p.blocks_in_row[static_cast<std::size_t>(n)]);
   }
-  return clocks + node_inverse_cycles(a, method);
+  return clocks + node_inverse_cycles(a, settings);
 }
 
-std::int64_t node_inverse_cycles(const Architecture& a, Method method) {
-  const std::int64_t adjugate = method == Method::block_jacobi_pcg ? a.phase_clocks() : 0;
-  return adjugate + std::int64_t{divisions_a_node(method)} * a.division_clocks;
+std::int64_t node_inverse_cycles(const Architecture& a, const fixed::Settings& settings) {
+  const std::int64_t adjugate = settings.method == Method::block_jacobi_pcg ? a.phase_clocks() : 0;
+  return adjugate + divisions_a_node(settings.method) * a.inverse_division(settings);
 }
 
-std::int64_t load_cycles(const Architecture& a, const Pattern& p, Method method) {
-  const int divisions = divisions_a_node(method);
+std::int64_t load_cycles(const Architecture& a, const Pattern& p, const fixed::Settings& settings) {
+  const int divisions = divisions_a_node(settings.method);
   if (divisions == 0) return 1;
-  return std::int64_t{divisions} * p.nodes() * a.division_clocks + a.phase_clocks();
+  return divisions * p.nodes() * a.inverse_division(settings) + a.phase_clocks();
+}
+
+void require_division(const Architecture& a, const fixed::Settings& settings) {
+  const int shortest = fixed::shortest_division(settings);
+  if (a.division_clocks == 0 || a.division_clocks >= shortest) return;
+  throw InputError("division_clocks", "found " + std::to_string(a.division_clocks) +
+                                          ", expected 0, or at least " + std::to_string(shortest) +
+                                          ": the divider takes " +
+                                          std::to_string(fixed::most_division_clocks(settings)) +
+                                          " clocks with these words and the re-scaling behind it " +
+                                          std::to_string(fixed::rescaling_clocks(settings)));
 }
 
 namespace {

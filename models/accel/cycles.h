@@ -62,7 +62,8 @@ struct SolveWork {
   bool stop_test = false;       // ‖r‖ is compared with ‖b‖; takes no clocks
   bool dynamic_scaling = true;  // the size of a vector is known before the next one is written
   int scalar_bits = 64;
-  int vector_bits = 16;  // width of the words that several devices exchange
+  int shortest_division = 68;  // clocks, fixed::shortest_division()
+  int vector_bits = 16;        // width of the words that several devices exchange
 };
 // The work of a solve with every iteration that the settings allow.
 SolveWork longest_solve(const fixed::Settings& settings);
@@ -119,13 +120,17 @@ SolveCycles solve_cycles(const Passes& pass, const SolveWork& work);
 // with a preconditioner the node's part of P⁻¹ is made anew: three divisions, six and the block's
 // adjugate for a block. `neighbours` lists the block columns of the node's row, itself included.
 std::int64_t node_update_cycles(const Architecture& a, const Pattern& whole, int node,
-                                std::span<const int> neighbours, fixed::Method method);
+                                std::span<const int> neighbours, const fixed::Settings& settings);
 
 // The part of these clocks in which the node's part of P⁻¹ is made.
-std::int64_t node_inverse_cycles(const Architecture& a, fixed::Method method);
+std::int64_t node_inverse_cycles(const Architecture& a, const fixed::Settings& settings);
 
 // The clocks from the matrix' arrival until the board is ready: P⁻¹, one division after the other,
 // if there is a preconditioner.
-std::int64_t load_cycles(const Architecture& a, const Pattern& p, fixed::Method method);
+std::int64_t load_cycles(const Architecture& a, const Pattern& p, const fixed::Settings& settings);
+
+// Throws InputError with the key "division_clocks" where the architecture has fewer than these
+// settings take.
+void require_division(const Architecture& a, const fixed::Settings& settings);
 
 }  // namespace hvp::accel

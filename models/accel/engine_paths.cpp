@@ -160,17 +160,19 @@ class EnginePaths {
         path_.begin("largest written word").from_register().comparator(kProductBits).to_register());
   }
 
-  // Shift and subtract. 128-bit scalars take twice the clocks; of these, 4 are not steps.
+  // A bit of the quotient a clock, and the longest steps of the re-scaling behind it
+  // (models/fixed/division.h): an adder of 40 bits behind a shifter, with ranks between.
   void divide() {
-    const int steps = std::max(1, a_.division_clocks * ceil_div(w_.scalar_bits, 64) - 4);
-    const int bits_a_clock = ceil_div(w_.scalar_bits, steps);
-    path_.begin("step of a division").from_register();
-    for (int i = 0; i < bits_a_clock; ++i) path_.comparator(w_.scalar_bits);
-    take_(path_.to_register());
-    take_(path_.begin("quotient to mantissa and shift")
+    constexpr int kAdderBits = 40;
+    take_(
+        path_.begin("step of a division").from_register().comparator(w_.scalar_bits).to_register());
+    take_(path_.begin("rounding of a quotient")
               .from_register()
-              .shifter(w_.scalar_bits)
+              .adder(w_.coefficient_bits)
+              .multiplexer(2)
               .to_register());
+    take_(path_.begin("shift of a re-scaling").from_register().shifter(kAdderBits).to_register());
+    take_(path_.begin("sum of a re-scaling").from_register().adder(kAdderBits + 2).to_register());
   }
 
   void host() {

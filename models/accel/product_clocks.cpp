@@ -213,17 +213,22 @@ class Machine {
   void take(std::int64_t clock, std::size_t& turn) {
     std::ranges::fill(bank_taken_, std::uint8_t{0});
     const std::size_t first = turn;
+    bool passed_over = false;
     int lanes = lanes_;
     for (std::size_t i = 0; i < streams_.size() && lanes > 0; ++i) {
       const std::size_t who = (first + i) % streams_.size();
       Stream& stream = streams_[who];
       if (!stream.offers(clock)) continue;
       std::uint8_t& taken = bank_taken_[at(stream.bank[stream.taken])];
-      if (taken != 0) continue;
+      if (taken != 0) {
+        if (!passed_over) turn = who;
+        passed_over = true;
+        continue;
+      }
       taken = 1;
       ++stream.taken;
       --lanes;
-      turn = (who + 1) % streams_.size();
+      if (!passed_over) turn = (who + 1) % streams_.size();
     }
   }
 

@@ -255,7 +255,7 @@ std::int64_t SeveralDevices::exchanged_words() const {
 
 std::int64_t SeveralDevices::node_update(const Pattern& p, int node,
                                          std::span<const int> neighbours,
-                                         fixed::Method method) const {
+                                         const fixed::Settings& settings) const {
   std::int64_t slowest = 0;
   for (int device = 0; device < devices(); ++device) {
     const bool owner = device_of(node) == device;
@@ -266,17 +266,17 @@ std::int64_t SeveralDevices::node_update(const Pattern& p, int node,
         clocks += packages_of(architecture_, p.blocks_in_row[at(n)]);
       }
     }
-    if (owner || !split()) clocks += node_inverse_cycles(architecture_, method);
+    if (owner || !split()) clocks += node_inverse_cycles(architecture_, settings);
     slowest = std::max(slowest, clocks);
   }
   return slowest;
 }
 
-std::int64_t SeveralDevices::load(const Pattern& p, fixed::Method method) const {
-  if (!split()) return load_cycles(architecture_, p, method);
+std::int64_t SeveralDevices::load(const Pattern& p, const fixed::Settings& settings) const {
+  if (!split()) return load_cycles(architecture_, p, settings);
   std::int64_t slowest = 0;
   for (const DeviceShare& s : shares_) {
-    slowest = std::max(slowest, load_cycles(architecture_, s.pattern, method));
+    slowest = std::max(slowest, load_cycles(architecture_, s.pattern, settings));
   }
   return slowest;
 }

@@ -77,8 +77,8 @@ class SeveralDevices {
 
   // The counterpart of accel::node_update_cycles(): all devices change their rows at once.
   std::int64_t node_update(const Pattern& p, int node, std::span<const int> neighbours,
-                           fixed::Method method) const;
-  std::int64_t load(const Pattern& p, fixed::Method method) const;
+                           const fixed::Settings& settings) const;
+  std::int64_t load(const Pattern& p, const fixed::Settings& settings) const;
 
  private:
   int devices() const { return static_cast<int>(shares_.size()); }

@@ -35,11 +35,16 @@ class Engine {
                     std::int64_t{a_.package} * w_.matrix_bits, Access::stream});
   }
 
+  // The nodes of a package's columns, which component the first one is of, and the row they belong
+  // to: it is where the result goes.
   void index() {
-    const int node = nodes_in_package(a_.package) * bits_to_number(s_.direction_nodes);
+    constexpr int kComponentBits = 2;
+    const int node = bits_to_number(s_.direction_nodes);
+    const int nodes = nodes_in_package(a_.package) * node;
     const int end_of_row = a_.packages_per_row == 0 ? 1 : 0;
     all_.push_back({"index", Role::index, 1, s_.packages,
-                    std::int64_t{a_.partitions} * (node + end_of_row), Access::stream});
+                    std::int64_t{a_.partitions} * (nodes + kComponentBits + node + end_of_row),
+                    Access::stream});
   }
 
   // L memories a component, a node's in memory node mod L.

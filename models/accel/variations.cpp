@@ -93,7 +93,6 @@ std::vector<Variation> variations(const Design& design) {
   c.number("pipeline_clocks", &Architecture::pipeline_clocks, 1000, {2 * a.pipeline_clocks});
   c.choice("absolute_value_register", &Architecture::absolute_value_register,
            {{"false", false}, {"true", true}});
-  c.number("division_clocks", &Architecture::division_clocks, 1000, {a.division_clocks / 2});
   c.choice("direction_memory", &Architecture::direction_memory,
            {{"double-pumped", DirectionMemory::double_pumped},
             {"two-copies", DirectionMemory::two_copies},

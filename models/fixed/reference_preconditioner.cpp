@@ -34,13 +34,25 @@ void ReferencePreconditioner::load(const QuantisedMatrix& matrix) {
   words_.assign(9 * at(matrix.block_rows()), 0);
   zero_.assign(at(matrix.block_rows()), 0);
   negative_.assign(at(matrix.block_rows()), 0);
-  for (int node = 0; node < matrix.block_rows(); ++node) invert(matrix, node);
-  find_shift();
+  rows_of_length_ = {};
+  rows_of_length_[0] = 3 * matrix.block_rows();
+  for (int node = 0; node < matrix.block_rows(); ++node) update(matrix, node);
 }
 
 void ReferencePreconditioner::update(const QuantisedMatrix& matrix, int node) {
+  count_rows(node, -1);
   invert(matrix, node);
-  find_shift();
+  count_rows(node, 1);
+  shift_ = static_cast<int>(rows_of_length_.size()) - 1;
+  while (shift_ > 0 && rows_of_length_[at(shift_)] == 0) --shift_;
+}
+
+void ReferencePreconditioner::count_rows(int node, int change) {
+  for (std::size_t row = 9 * at(node); row < 9 * at(node + 1); row += 3) {
+    std::uint64_t sum = 0;
+    for (std::size_t c = 0; c < 3; ++c) sum += magnitude(words_[row + c]);
+    rows_of_length_[at(bit_length(sum))] += change;
+  }
 }
 
 void ReferencePreconditioner::invert(const QuantisedMatrix& matrix, int node) {
@@ -97,24 +109,13 @@ bool ReferencePreconditioner::invert_block(const QuantisedMatrix& matrix, int no
     inverse[e] = nearest(adjugate[e] * one, determinant);
     largest = std::max(largest, inverse[e] < 0 ? -inverse[e] : inverse[e]);
   }
-  int halvings = 0;
-  while ((largest >> halvings) > word_limit(kBlockLimitBits)) ++halvings;
+  const int halvings =
+      std::max(0, bit_length(static_cast<UInt128>(largest)) - (kBlockLimitBits - 1));
   for (std::size_t e = 0; e < 9; ++e) {
     const Int128 size = (inverse[e] < 0 ? -inverse[e] : inverse[e]) >> halvings;
     words_[9 * at(node) + e] = static_cast<std::int32_t>(inverse[e] < 0 ? -size : size);
   }
   return true;
-}
-
-// One register for all rows: r · P⁻¹ / 2^shift always fits 32 bits.
-void ReferencePreconditioner::find_shift() {
-  std::uint64_t widest = 0;
-  for (std::size_t row = 0; row < words_.size(); row += 3) {
-    std::uint64_t sum = 0;
-    for (std::size_t c = 0; c < 3; ++c) sum += magnitude(words_[row + c]);
-    widest = std::max(widest, sum);
-  }
-  shift_ = bit_length(widest);
 }
 
 stability::Flags ReferencePreconditioner::flags() const {

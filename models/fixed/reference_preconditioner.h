@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <vector>
 
@@ -36,11 +37,15 @@ class ReferencePreconditioner {
   void invert(const QuantisedMatrix& matrix, int node);
   void invert_diagonal(const QuantisedMatrix& matrix, int node);
   bool invert_block(const QuantisedMatrix& matrix, int node);
-  void find_shift();
+  // Counts the rows of a node among those of their lengths, or no longer.
+  void count_rows(int node, int change);
 
   Settings settings_;
   std::vector<std::int32_t> words_;
   std::vector<std::uint8_t> zero_, negative_;  // per node
+  // Of each number of bits, the rows of P⁻¹ whose magnitudes add up to so many: the longest one of
+  // all rows is known without a look at them. Three words of 31 bits add up to 33 at most.
+  std::array<int, 34> rows_of_length_{};
   int shift_ = 0;
 };
 

@@ -3,6 +3,7 @@
 #include <string>
 
 #include "models/config/input_error.h"
+#include "models/fixed/stop_test.h"
 
 namespace hvp::fixed {
 
@@ -31,10 +32,11 @@ void Settings::declare(config::Visitor& v) {
   v.integer("iterations", iterations, {.min = 1, .max = 65535},
             {.help = "updates of the solution in every solve (the thesis' #m is one more)",
              .source = "thesis §4.2, Table 4.1: 60 suffice with a warm start"});
-  v.quantity("stop_residual", stop_residual, config::Dimension::dimensionless,
-             config::between(0.0, 1.0),
-             {.help = "ends a solve once |r| is at most so much of |b|; 0: the count alone",
-              .source = "thesis §4.2: the count is fixed"});
+  v.quantity(
+      "stop_residual", stop_residual, config::Dimension::dimensionless, config::between(0.0, 1.0),
+      {.help = "ends a solve once |r| is at most so much of |b|, 1.5e-154 at least; 0: the count "
+               "alone",
+       .source = "thesis §4.2: the count is fixed"});
   v.integer("replace_residual_every", replace_residual_every, {.min = 0, .max = 65535},
             {.help = "iterations after which r = b - A·x is formed anew; 0: never",
              .source = "the thesis has none"});
@@ -121,6 +123,11 @@ void Settings::check() const {
                          std::to_string(kLeastMagnitude) + " bits of magnitude in a word of " +
                          std::to_string(vector_bits) + " bits; at most " +
                          std::to_string(vector_bits - 1 - kLeastMagnitude) + " were expected");
+  }
+  if (stop_residual > 0 && stop_residual < StopTest::kLeast) {
+    throw InputError("stop_residual",
+                     "expected 0, or at least 2^-511 (1.5e-154): below that the board's stop test "
+                     "has no bits of its square");
   }
   if (scalar_bits != 64 && scalar_bits != 128) {
     throw InputError("scalar_bits", std::to_string(scalar_bits) + " bits; 64 or 128 were expected");

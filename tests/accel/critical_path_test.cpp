@@ -117,8 +117,7 @@ TEST(CriticalPath, WiderIsNeverFaster) {
 TEST(CriticalPath, ARegisterIsNeverSlower) {
   using Depth = int Architecture::*;
   for (const Depth depth : {&Architecture::memory_read_clocks, &Architecture::multiplier_clocks,
-                            &Architecture::adder_tree_clocks, &Architecture::pipeline_clocks,
-                            &Architecture::division_clocks}) {
+                            &Architecture::adder_tree_clocks, &Architecture::pipeline_clocks}) {
     for (const bool registered : {false, true}) {
       for (const std::string_view name : devices::built_in_names()) {
         double before = 0;
@@ -127,7 +126,6 @@ TEST(CriticalPath, ARegisterIsNeverSlower) {
           a.absolute_value_register = registered;
           a.memory_read_clocks = a.multiplier_clocks = a.adder_tree_clocks = 1;
           a.pipeline_clocks = 6;
-          a.division_clocks = 20;
           a.*depth += more;
           if (depth != &Architecture::pipeline_clocks) a.pipeline_clocks += more;
           const double clock = highest_clock({devices::built_in(name), a, {}, 500});
@@ -160,9 +158,7 @@ TEST(CriticalPath, GoesWhereRegistersAreMissing) {
   Architecture short_tree = a;
   short_tree.adder_tree_clocks = 1;
   EXPECT_EQ(limit_of(short_tree), "accumulator of a row");
-  Architecture quick_division = a;
-  quick_division.division_clocks = 20;  // four bits of a quotient a clock
-  EXPECT_EQ(limit_of(quick_division), "step of a division");
+  EXPECT_EQ(limit_of(a, {.scalar_bits = 4096}), "step of a division");
   Architecture shallow = a;
   shallow.pipeline_clocks = 10;  // one rank for all that the vector unit does, and the register
   EXPECT_LT(clock_of(shallow), 0.5 * clock_of(a));

@@ -292,12 +292,13 @@ TEST(SeveralDevices, RowsOfANodeUpdateAreChangedWhereTheyAre) {
   ASSERT_NE(board.device_of(0), board.device_of(1));
   ASSERT_EQ(board.device_of(0), board.device_of(2));
   const std::vector<int> neighbours = {0, 1, 2, 3};
-  EXPECT_EQ(board.node_update(p, 0, neighbours, Method::cg), 20 + 5 + 5);
-  EXPECT_EQ(board.node_update(p, 0, neighbours, Method::jacobi_pcg), 20 + 5 + 5 + 3 * 68);
-  EXPECT_EQ(board.load(p, Method::jacobi_pcg), 500 * 3 * 68 + 20);
+  EXPECT_EQ(board.node_update(p, 0, neighbours, {}), 20 + 5 + 5);
+  EXPECT_EQ(board.node_update(p, 0, neighbours, {.method = Method::jacobi_pcg}),
+            20 + 5 + 5 + 3 * 68);
+  EXPECT_EQ(board.load(p, {.method = Method::jacobi_pcg}), 500 * 3 * 68 + 20);
   // Every device has all of an unsplit inverse diagonal.
   const SeveralDevices unsplit(on(2, VectorWork::unsplit), p);
-  EXPECT_EQ(unsplit.load(p, Method::jacobi_pcg), 1000 * 3 * 68 + 20);
+  EXPECT_EQ(unsplit.load(p, {.method = Method::jacobi_pcg}), 1000 * 3 * 68 + 20);
 }
 
 TEST(SeveralDevices, FewerRowsThanDevicesAreRefused) {

@@ -84,8 +84,8 @@ TEST(SymmetricStorage, AnUpdateSearchesTheRowsAbove) {
   const Pattern p = band(10, 2);
   const std::vector<int> neighbours = {3, 4, 5, 6, 7};
   // Three blocks a row are two packages; rows 3 and 4 are above.
-  EXPECT_EQ(node_update_cycles(symmetric(), p, 5, neighbours, fixed::Method::cg), 20 + 3 * 2);
-  EXPECT_EQ(node_update_cycles({}, p, 5, neighbours, fixed::Method::cg), 20 + 5 * 2);
+  EXPECT_EQ(node_update_cycles(symmetric(), p, 5, neighbours, {}), 20 + 3 * 2);
+  EXPECT_EQ(node_update_cycles({}, p, 5, neighbours, {}), 20 + 5 * 2);
 }
 
 // The sums of 34 bits that every partition keeps cost what the half matrix saves: at five

@@ -178,12 +178,15 @@ TEST_F(Configure, RefusesWhatNoBoardHas) {
   EXPECT_EQ(with([](auto& c) { c.start = HVP_START_FROM_COUNT; }), HVP_ERROR_ARGUMENT);
   EXPECT_EQ(with([](auto& c) { c.division_rounding = HVP_ROUND_COUNT; }), HVP_ERROR_ARGUMENT);
   EXPECT_EQ(with([](auto& c) { c.shift_rounding = HVP_ROUND_COUNT; }), HVP_ERROR_ARGUMENT);
-  // The next double after one, -0, a NaN.
-  for (const std::uint64_t bits : {0x3ff0000000000001U, 0x8000000000000000U, 0x7ff8000000000000U}) {
+  // The next double after one, the last one before 2^-511, the first one above zero, -0, a NaN.
+  for (const std::uint64_t bits : {0x3ff0000000000001U, 0x1fffffffffffffffU, UINT64_C(1),
+                                   0x8000000000000000U, 0x7ff8000000000000U}) {
     EXPECT_EQ(with([bits](auto& c) { c.stop_residual = bits; }), HVP_ERROR_ARGUMENT);
   }
   EXPECT_TRUE(board.take_log().empty());
-  EXPECT_EQ(with([](auto& c) { c.stop_residual = 0x3ff0000000000000; }), HVP_OK);
+  for (const std::uint64_t bits : {0x3ff0000000000000U, 0x2000000000000000U}) {
+    EXPECT_EQ(with([bits](auto& c) { c.stop_residual = bits; }), HVP_OK);
+  }
 }
 
 TEST_F(DriverOnBoard, NothingWorksOutOfOrder) {

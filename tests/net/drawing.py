@@ -45,6 +45,7 @@ BOUNDS = {
     "accelerator.clock": (20e6, 400e6),
     "accelerator.pipeline_clocks": (12, 60),
     "accelerator.packages_per_row": (1, 12),
+    "accelerator.division_clocks": (68, 1000),
     "bus.traffic.period": (20e-6, 1e-2),
     "bus.traffic.start": (0.0, 0.1),
     "bus.traffic.bytes": (4, 8192),
@@ -95,6 +96,7 @@ TEXTS = {"accelerator.device": DEVICES, "title": ["drawn", 'a "quoted" title', "
 SAMPLES = "delay_us\n1\n2\n3.5\n20\n"
 MEMORIES = ["auto", "M4K", "M512", "M-RAM", "M20K", "MLAB", "BRAM"]
 STEPS = {"transfer.dma.segment_bytes": 4, "fault.bytes": 4}
+POWERS_OF_TWO = ("nodes_per_clock", "direction_banks", "result_queue")  # of [accelerator]
 
 # What is drawn by rules of its own.
 OWN: tuple[str, ...] = ("frames", "output.pictures", "budget.period", "object.mesh", "probe.start")
@@ -150,6 +152,8 @@ def draw_number(rng: random.Random, full: str, key: Key) -> float:
         value = log_uniform(rng, max(low, 0), min(high, 1e-3 if key.kind == "number" else 16))
     if key.kind == "whole":
         step = STEPS.get(full, 1)
+        if full.removeprefix("accelerator.") in POWERS_OF_TWO:
+            value = 2 ** round(math.log2(max(value, 1)))
         return min(max(round(value / step) * step, math.ceil(low)), math.floor(high))
     value = float(f"{value:.6g}")
     if key.low_open and value <= low:

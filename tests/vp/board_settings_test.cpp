@@ -3,11 +3,11 @@
 #include <array>
 #include <cstdint>
 #include <functional>
-#include <limits>
 #include <vector>
 
 #include <gtest/gtest.h>
 
+#include "models/fixed/stop_test.h"
 #include "vp/fpga/board_registers.h"
 #include "vp/host/driver_config.h"
 
@@ -84,7 +84,7 @@ TEST(BoardSettings, EachOneArrives) {
       [](auto& s) { s.iterations = 65535; },
       [](auto& s) { s.stop_residual = 1; },
       [](auto& s) { s.stop_residual = 0.1; },  // 52 bits behind the point
-      [](auto& s) { s.stop_residual = std::numeric_limits<double>::denorm_min(); },
+      [](auto& s) { s.stop_residual = fixed::StopTest::kLeast; },
       [](auto& s) { s.replace_residual_every = 1; },
       [](auto& s) { s.replace_residual_every = 65535; },
       [](auto& s) { s.matrix_bits = 8; },

@@ -61,14 +61,17 @@ struct Made {
   bool extrapolated = false;
   bool dynamic_scaling = true;
   bool broken_down = false;
+  int scalar_bits = 64;
+  int coefficient_bits = 16;
+  int scaling_step = 1;
 };
 
 // Clocks that a product's last rows wait for each other: of the small scene's 48 rows the
 // partitions finish the last ones together, and two are taken at a time.
 inline constexpr std::int64_t kRowsTogether = 1;
 
-// Pipelines of 20 clocks, two nodes a clock and divisions of 68 clocks, step by step: a step begins
-// when all that it needs has ended (docs/accelerator.md).
+// Pipelines of 20 clocks, two nodes a clock and divisions of 68 clocks and more, step by step: a
+// step begins when all that it needs has ended (docs/accelerator.md).
 class SolveClocks {
  public:
   explicit SolveClocks(const std::vector<int>& row_begin) {
@@ -93,33 +96,41 @@ class SolveClocks {
   }
 
  private:
-  static constexpr std::int64_t kDivision = 68;
-  static constexpr std::int64_t kCurvature = 4 + 4;  // β·(dᵀAd), twice: 63 bits, 17 a clock
+  // A bit of the mantissa more is a clock of the divider and one of the re-scaling behind it; wider
+  // scalars have eight bytes more to be moved by, and another step is divided by.
+  static std::int64_t division(const Made& made) {
+    return 68 + 2 * (made.coefficient_bits - 16) + (made.scalar_bits == 128 ? 8 : 0) +
+           (made.scaling_step == 1 ? 0 : 14);
+  }
+  // β·(dᵀAd), twice: 63 or 127 bits, 17 a clock.
+  static std::int64_t curvature(const Made& made) {
+    return made.scalar_bits == 128 ? 8 + 8 : 4 + 4;
+  }
 
   // Thesis Fig. 4.4.
   std::int64_t conjugate_gradients(const Made& made, std::int64_t now) const {
     for (int pass = 0; pass < made.passes; ++pass) {
       now += product_;
-      now += kDivision;
+      now += division(made);
       now += vectors_;
       if (pass < made.replacements) now += product_ + vectors_;
-      now += kDivision;
+      now += division(made);
       now += vectors_;
     }
     return made.broken_down ? now + product_ : now;
   }
 
   std::int64_t chronopoulos_gear(const Made& made, std::int64_t ready) const {
-    std::int64_t alpha = ready + product_ + product_ + kDivision;  // A·r, A·d
+    std::int64_t alpha = ready + product_ + product_ + division(made);  // A·r, A·d
     std::int64_t direction = alpha;
     for (int pass = 0; pass < made.passes; ++pass) {
       std::int64_t residual = std::max(alpha, direction) + vectors_;
       if (pass < made.replacements) residual += product_ + vectors_;
-      const std::int64_t curvature =
-          std::max(residual + product_, residual + kDivision + kCurvature);
-      alpha = curvature + kDivision;
+      const std::int64_t beta =
+          std::max(residual + product_, residual + division(made) + curvature(made));
+      alpha = beta + division(made);
       // In one pass with the next x and r where no size has to be awaited.
-      direction = made.dynamic_scaling ? curvature + vectors_ : 0;
+      direction = made.dynamic_scaling ? beta + vectors_ : 0;
     }
     return std::max(alpha, direction);
   }
@@ -134,7 +145,7 @@ class SolveClocks {
         now += product_ + vectors_;
         now += product_ + scaled + product_ + scaled + product_;
       }
-      now = std::max(now + product_, now + kDivision + kCurvature + kDivision);
+      now = std::max(now + product_, now + division(made) + curvature(made) + division(made));
       if (made.dynamic_scaling) now += vectors_;
     }
     return now;

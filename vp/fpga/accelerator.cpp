@@ -257,13 +257,13 @@ void Accelerator::load_done() {
   }
   if (!supported(settings) || !load_memories(settings)) return;
   solver_.reset();
-  loaded_method_ = settings.method;
+  loaded_settings_ = settings;
   has_previous_u_ = false;
   b_.assign(static_cast<std::size_t>(matrix_.rows()), 0);
   u_.assign(static_cast<std::size_t>(matrix_.rows()), 0);
   give_x();
   begin(Running::load, *commanding_tag_);
-  end_after(timing_->start_load(settings.method));
+  end_after(timing_->start_load(settings));
 }
 
 bool Accelerator::may_renew(fixed::Settings& settings) {
@@ -301,7 +301,7 @@ void Accelerator::renew(const fixed::Settings& settings, const Tag& tag) {
   has_previous_u_ = false;
   give_x();
   begin(Running::update, tag);
-  end_after(timing_->start_load(settings.method));
+  end_after(timing_->start_load(settings));
 }
 
 // Through the driver's frames nothing may be thrown.
@@ -331,7 +331,7 @@ void Accelerator::update_node() {
   if (solver_ != nullptr) solver_->update(row);
   write_back_node(matrix_, row, bank_);
   // A matrix is loaded, so that METHOD is what it was loaded with.
-  hold_access(timing_->update_node(matrix_, row, loaded_method_, row_));
+  hold_access(timing_->update_node(matrix_, row, loaded_settings_, row_));
 }
 
 // The node's row and column, as the registers say; false for what the board refuses.

@@ -153,7 +153,7 @@ class Accelerator : public sc_core::sc_module, private ListOwner {
 
   RegisterBank bank_;
   fixed::QuantisedMatrix matrix_;
-  fixed::Method loaded_method_ = fixed::Method::cg;
+  fixed::Settings loaded_settings_;  // as the matrix was loaded
   // The solver's start is always U, because form_guess() has formed it.
   fixed::Settings solver_settings_;
   std::unique_ptr<fixed::Solver> solver_;  // for these settings and the loaded matrix

@@ -7,6 +7,7 @@
 #include <optional>
 
 #include "models/config/input_error.h"
+#include "models/fixed/stop_test.h"
 #include "vp/fpga/register_bank.h"
 
 namespace hvp::vp {
@@ -57,7 +58,10 @@ Wrong read_iteration(const RegisterBank& bank, fixed::Settings& s) {
   const std::uint64_t high = bank.get(field::kStopResidualHighHigh);
   const std::uint64_t bits = high << 32 | bank.get(field::kStopResidualLowLow);
   // Doubles from 0 to 1 are in the order of their bits; all others lie above.
-  if (bits > std::bit_cast<std::uint64_t>(1.0)) return field::kStopResidualHighHigh;
+  if (bits > std::bit_cast<std::uint64_t>(1.0) ||
+      (bits != 0 && bits < std::bit_cast<std::uint64_t>(fixed::StopTest::kLeast))) {
+    return field::kStopResidualHighHigh;
+  }
   s.stop_residual = std::bit_cast<double>(bits);
   s.replace_residual_every = static_cast<int>(bank.get(field::kReplaceEveryCount));
   return std::nullopt;

@@ -23,7 +23,7 @@ class EveryClock : public JobTiming {
   void renew(const fixed::QuantisedMatrix& matrix, const fixed::Settings& settings) override {
     engine_.load(matrix, settings);
   }
-  std::optional<std::int64_t> start_load(fixed::Method /*method*/) override {
+  std::optional<std::int64_t> start_load(const fixed::Settings& /*settings*/) override {
     engine_.start_inversion();
     return std::nullopt;
   }
@@ -33,7 +33,8 @@ class EveryClock : public JobTiming {
     return std::nullopt;
   }
   // The engine writes its packages while the access that gave the command is stalled.
-  std::int64_t update_node(const fixed::QuantisedMatrix& matrix, int node, fixed::Method /*method*/,
+  std::int64_t update_node(const fixed::QuantisedMatrix& matrix, int node,
+                           const fixed::Settings& /*settings*/,
                            std::span<const std::int32_t> row) override {
     if (matrix.is_contact[static_cast<std::size_t>(node)] != 0) {
       engine_.start_constraining(node, matrix.diagonal(3 * node));

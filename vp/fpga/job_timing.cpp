@@ -18,10 +18,11 @@ class ClosedForm : public JobTiming {
   explicit ClosedForm(const accel::Architecture& architecture) : architecture_(architecture) {}
 
   void load(const fixed::QuantisedMatrix& matrix, const fixed::Settings& settings) override;
-  std::optional<std::int64_t> start_load(fixed::Method method) override;
+  std::optional<std::int64_t> start_load(const fixed::Settings& settings) override;
   std::optional<std::int64_t> start_solve(const fixed::Settings& settings,
                                           const fixed::Report& report) override;
-  std::int64_t update_node(const fixed::QuantisedMatrix& matrix, int node, fixed::Method method,
+  std::int64_t update_node(const fixed::QuantisedMatrix& matrix, int node,
+                           const fixed::Settings& settings,
                            std::span<const std::int32_t> row) override;
 
  private:
@@ -33,8 +34,8 @@ void ClosedForm::load(const fixed::QuantisedMatrix& matrix, const fixed::Setting
   clocks_.emplace(architecture_, accel::pattern_of(matrix.row_begin, matrix.column));
 }
 
-std::optional<std::int64_t> ClosedForm::start_load(fixed::Method method) {
-  return clocks_->load(method);
+std::optional<std::int64_t> ClosedForm::start_load(const fixed::Settings& settings) {
+  return clocks_->load(settings);
 }
 
 std::optional<std::int64_t> ClosedForm::start_solve(const fixed::Settings& settings,
@@ -43,11 +44,12 @@ std::optional<std::int64_t> ClosedForm::start_solve(const fixed::Settings& setti
 }
 
 std::int64_t ClosedForm::update_node(const fixed::QuantisedMatrix& matrix, int node,
-                                     fixed::Method method, std::span<const std::int32_t> /*row*/) {
+                                     const fixed::Settings& settings,
+                                     std::span<const std::int32_t> /*row*/) {
   const auto row = static_cast<std::size_t>(node);
   const auto begin = static_cast<std::size_t>(matrix.row_begin[row]);
   const auto end = static_cast<std::size_t>(matrix.row_begin[row + 1]);
-  return clocks_->node_update(node, std::span(matrix.column).subspan(begin, end - begin), method);
+  return clocks_->node_update(node, std::span(matrix.column).subspan(begin, end - begin), settings);
 }
 
 // One event for each phase of a solve, by engine::PhaseEngine; all other jobs in closed form.

@@ -34,14 +34,15 @@ class JobTiming {
   virtual void renew(const fixed::QuantisedMatrix& /*matrix*/,
                      const fixed::Settings& /*settings*/) {}
   // Starts the job that ends a load, or an update of all values.
-  virtual std::optional<std::int64_t> start_load(fixed::Method method) = 0;
+  virtual std::optional<std::int64_t> start_load(const fixed::Settings& settings) = 0;
   // Starts a solve with the report's work.
   virtual std::optional<std::int64_t> start_solve(const fixed::Settings& settings,
                                                   const fixed::Report& report) = 0;
   // The clocks for which the access that changes a node's row and column is stalled: to a contact
   // node's, or back to `row`. `matrix` has them already.
   virtual std::int64_t update_node(const fixed::QuantisedMatrix& matrix, int node,
-                                   fixed::Method method, std::span<const std::int32_t> row) = 0;
+                                   const fixed::Settings& settings,
+                                   std::span<const std::int32_t> row) = 0;
   // Aborts the job.
   virtual void abort() {}
 

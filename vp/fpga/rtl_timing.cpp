@@ -29,9 +29,10 @@ class EveryRtlClock : public EveryClock {
     engine_.start_solve(settings, &both_);
     return std::nullopt;
   }
-  std::int64_t update_node(const fixed::QuantisedMatrix& matrix, int node, fixed::Method method,
+  std::int64_t update_node(const fixed::QuantisedMatrix& matrix, int node,
+                           const fixed::Settings& settings,
                            std::span<const std::int32_t> row) override {
-    const std::int64_t clocks = EveryClock::update_node(matrix, node, method, row);
+    const std::int64_t clocks = EveryClock::update_node(matrix, node, settings, row);
     if (matrix.is_contact[static_cast<std::size_t>(node)] != 0) {
       both_.constrain(node, matrix.diagonal(3 * node));
     } else {

@@ -78,8 +78,8 @@ class Settings:
         return bits_of(self.stop_residual) if name == "stop_residual" else getattr(self, name)
 
     def __post_init__(self) -> None:
-        if not 0.0 <= self.stop_residual <= 1.0:
-            raise ValueError(f"stop_residual {self.stop_residual}: expected 0 to 1")
+        if self.stop_residual != 0.0 and not 2.0**-511 <= self.stop_residual <= 1.0:
+            raise ValueError(f"stop_residual {self.stop_residual}: expected 0, or 2**-511 to 1")
 
 
 def bits_of(number: float) -> int:

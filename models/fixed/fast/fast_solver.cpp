@@ -178,10 +178,7 @@ void FastSolver::fill(const Vector& from, Vector& to) {
 
 bool FastSolver::reached() {
   if (settings_.stop_residual == 0) return false;
-  const double residual_square = std::ldexp(static_cast<double>(dot(r_, r_)), -2 * r_.exponent);
-  const double rhs_square =
-      std::ldexp(static_cast<double>(rhs_squares_), 2 * settings_.rhs_shift());
-  return residual_square <= square(settings_.stop_residual) * rhs_square;
+  return stop_test_.reached(static_cast<UInt128>(dot(r_, r_)), r_.exponent);
 }
 
 bool FastSolver::negative_curvature() {

@@ -11,6 +11,7 @@
 #include "models/fixed/fast/passes.h"
 #include "models/fixed/fast/preconditioner.h"
 #include "models/fixed/solver.h"
+#include "models/fixed/stop_test.h"
 
 namespace hvp::fixed::fast {
 
@@ -135,6 +136,7 @@ class FastSolver final : public Solver {
   Int128 z_r_sum_ = 0;  // zᵀr, not yet a scalar
   bool stopped_ = false;
   Int128 rhs_squares_ = 0;  // Σ b² in words
+  StopTest stop_test_;
   double residual_squares_ = 0;
   double smallest_ = 0;
   int last_progress_ = 0;

@@ -289,6 +289,8 @@ void FastSolver::take(const Job& job) {
   }
   take(job.b, settings_.residual_bits(), b_);
   rhs_squares_ = dot(b_, b_);
+  stop_test_ =
+      StopTest(settings_.stop_residual, static_cast<UInt128>(rhs_squares_), settings_.rhs_shift());
 }
 
 // A vector in the matrix' order, cut to so many bits.

@@ -177,6 +177,16 @@ INSTANTIATE_TEST_SUITE_P(
                "s.toml:24: accelerator.device: ", "the EP2S60 cannot hold this system of "},
         InFile{"device = \"EP2S60\"", "clock = \"120 MHz\"", "s.toml:24: accelerator.clock: ",
                "the limit of \"inner product d'(A d)\": register"},
+        InFile{"device = \"EP2S60\"", "division_clocks = 67",
+               "s.toml:24: accelerator.division_clocks: ",
+               "found 67, expected 0, or at least 68: the divider takes 35 clocks"},
+        InFile{"device = \"EP2S60\"", "nodes_per_clock = 3",
+               "s.toml:24: accelerator.nodes_per_clock: ",
+               "found 3, expected a power of two, as 2 or 4"},
+        InFile{"device = \"EP2S60\"", "direction_banks = 5",
+               "s.toml:24: accelerator.direction_banks: ", "as 4 or 8"},
+        InFile{"device = \"EP2S60\"", "result_queue = 1000",
+               "s.toml:24: accelerator.result_queue: ", "as 512 or 1024"},
         InFile{"device = \"EP2S60\"", "partitions = 12",
                "s.toml:23: accelerator.device: ", "multipliers of 144"}));
 

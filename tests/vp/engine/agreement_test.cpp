@@ -61,7 +61,7 @@ std::vector<Variant> variants() {
          a.pipeline_clocks = 6;
        }},
       {"register behind the absolute value", [](A& a) { a.absolute_value_register = true; }},
-      {"short division", [](A& a) { a.division_clocks = 20; }},
+      {"long division", [](A& a) { a.division_clocks = 200; }},
   };
 }
 
@@ -193,14 +193,14 @@ TEST(Agreement, OfLoadsAndNodeUpdatesIsExact) {
     engine.load(matrix, settings);
     engine.start_inversion();
     sc_core::sc_start();
-    EXPECT_EQ(engine.clocks(), accel::load_cycles(architecture, pattern, method));
+    EXPECT_EQ(engine.clocks(), accel::load_cycles(architecture, pattern, settings));
     for (const int node : {0, 17, 60}) {
       const auto row = static_cast<std::size_t>(node);
       const auto first = static_cast<std::size_t>(matrix.row_begin[row]);
       const auto last = static_cast<std::size_t>(matrix.row_begin[row + 1]);
-      const std::int64_t clocks =
-          accel::node_update_cycles(architecture, pattern, node,
-                                    std::span(matrix.column).subspan(first, last - first), method);
+      const std::int64_t clocks = accel::node_update_cycles(
+          architecture, pattern, node, std::span(matrix.column).subspan(first, last - first),
+          settings);
       engine.start_constraining(node, 1000);
       sc_core::sc_start();
       EXPECT_EQ(engine.clocks(), clocks) << node;

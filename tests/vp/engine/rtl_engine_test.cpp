@@ -9,6 +9,7 @@
 
 #include <gtest/gtest.h>
 
+#include "models/fixed/division.h"
 #include "models/fixed/word.h"
 #include "tests/vp/engine/random_systems.h"
 #include "tests/vp/engine/rtl_pair.h"
@@ -34,6 +35,7 @@ Settings random_settings(const EngineSize& size, Random& random) {
   s.scaling_down = s.dynamic_scaling || random.below(2) != 0;
   s.scaling_threshold = 1 + random.below(3);
   s.scaling_step = 1 + random.below(3);
+  if (fixed::shortest_division(s) > size.division_clocks) s.scaling_step = 1;
   s.headroom_bits = random.below(4);
   s.stop_residual = random.below(3) == 0 ? random.uniform() : 0;
   s.replace_residual_every = random.below(3) == 0 ? 1 + random.below(4) : 0;

@@ -116,7 +116,8 @@ TEST(RtlEngine, WhatItIsNotBuiltForIsRefusedByKey) {
   EXPECT_EQ(refused_architecture([](A& a) { a.partitions = 6; }), "partitions");
   EXPECT_EQ(refused_architecture([](A& a) { a.nodes_per_clock = 3; }), "nodes_per_clock");
   EXPECT_EQ(refused_architecture([](A& a) { a.result_queue = 12; }), "result_queue");
-  EXPECT_EQ(refused_architecture([](A& a) { a.division_clocks = 1; }), "division_clocks");
+  EXPECT_EQ(refused_architecture([](A& a) { a.division_clocks = 69; }), "division_clocks");
+  EXPECT_EQ(refused_architecture([](A& a) { a.division_clocks = 68; }), "");
   EXPECT_EQ(refused_architecture([](A& a) { a.direction_banks = 3; }), "direction_banks");
   EXPECT_EQ(refused_architecture([](A& a) { a.direction_memory = accel::DirectionMemory::stall; }),
             "direction_memory");
@@ -130,7 +131,7 @@ TEST(RtlEngine, WhatItIsNotBuiltForIsRefusedByKey) {
       refused_settings([](Settings& s) { s.coefficient_format = fixed::CoefficientFormat::fixed; }),
       "coefficient_format");
   EXPECT_EQ(refused_settings([](Settings& s) { s.scaling_down = false; }), "scaling_down");
-  EXPECT_EQ(refused_settings([](Settings& s) { s.stop_residual = 0x1p-512; }), "stop_residual");
+  EXPECT_EQ(refused_settings([](Settings& s) { s.scaling_step = 2; }), "scaling_step");
   EXPECT_EQ(refused_settings([](Settings& s) { s.static_shift = 16; }), "static_shift");
 }
 

@@ -180,7 +180,7 @@ TEST(Words, DoNotDependOnTheArchitecture) {
   });
   add([](accel::Architecture& a) {
     a.memory_read_clocks = 1, a.multiplier_clocks = 1, a.adder_tree_clocks = 1;
-    a.pipeline_clocks = 4, a.division_clocks = 1;
+    a.pipeline_clocks = 4, a.division_clocks = 1;  // as many as it takes
   });
   for (const auto& engine : engines) {
     SCOPED_TRACE(engine->name());
@@ -308,6 +308,39 @@ TEST(Words, AnAbortedSolveLeavesTheEngineUsable) {
     engine.load(matrix, s);
     expect_same(engine, s, matrix, b, guess);
     if (HasFatalFailure()) return;
+  }
+}
+
+// Between two edges a command may have been given that no unit has taken yet.
+TEST(Words, ASolveMayBeAbortedBetweenAnyTwoEdges) {
+  const fixed::QuantisedMatrix matrix = fixed::quantise(test::box_stiffness(2, 2, 2), 12);
+  const auto b = test::random_words(matrix.rows(), 3000, 5);
+  const std::vector<std::int32_t> guess(b.size(), 0);
+  CycleEngine engine("engine", {});
+  Settings s;
+  s.iterations = 2;
+  std::vector<std::int32_t> x(b.size());
+  const auto start = [&] {
+    engine.load(matrix, s);
+    engine.write_b(b);
+    engine.write_x(guess);
+    engine.start_solve(s);
+  };
+  start();
+  run_until_idle(engine);
+  const std::int64_t clocks = engine.clocks();
+  const std::vector<std::int32_t> expected = fixed::test::solve(s, matrix, b, guess).x;
+  for (int edges = 0; edges < clocks; ++edges) {
+    SCOPED_TRACE("aborted after " + std::to_string(edges) + " edges");
+    start();
+    sc_core::sc_start(10 * edges + 5, sc_core::SC_NS);
+    engine.abort();
+    run_until_idle(engine);
+    start();
+    run_until_idle(engine);
+    engine.read_x(x);
+    ASSERT_EQ(x, expected);
+    ASSERT_EQ(engine.clocks(), clocks);
   }
 }
 

@@ -31,19 +31,19 @@ CycleEngine::CycleEngine(const sc_core::sc_module_name& name,
                          const accel::Architecture& architecture)
     : sc_module(name),
       architecture_((require_supported(architecture), architecture)),
-      clock_("clock", architecture.clock_period_ps()),
+      clock_("clock", architecture.clock_period_ps(), [this] { clocked(); }),
       blocks_([this] {
         std::vector<std::unique_ptr<SpmxvBlock>> blocks;
         for (int i = 0; i < architecture_.partitions; ++i) {
           const std::string block = "spmxv_" + std::to_string(i);
-          blocks.push_back(std::make_unique<SpmxvBlock>(block.c_str(), architecture_, clock_));
+          blocks.push_back(std::make_unique<SpmxvBlock>(block.c_str(), architecture_, direction_));
         }
         return blocks;
       }()),
-      vectors_("vector_unit", architecture_, clock_, blocks_),
-      divider_("divider", clock_),
+      vectors_("vector_unit", architecture_, blocks_),
+      divider_("divider"),
       sequencer_("sequencer", clock_),
-      editor_("matrix_editor", architecture_, clock_, blocks_),
+      editor_("matrix_editor", architecture_, blocks_),
       done_("done") {
   for (std::size_t i = 0; i < blocks_.size(); ++i) {
     blocks_[i]->start = &sequencer_.product_start;
@@ -60,10 +60,24 @@ CycleEngine::CycleEngine(const sc_core::sc_module_name& name,
   editor_.finished = [this] { end_editing(); };
 }
 
+// What one unit writes at an edge the others read from the next one on, so that their order does
+// not matter.
+void CycleEngine::clocked() {
+  editor_.clocked();
+  sequencer_.clocked();
+  divider_.clocked();
+  vectors_.clocked();
+  direction_.clocked(vectors_.direction_write.read());
+  // A product begins and ends with the vector unit's pass.
+  if (vectors_.pass() != Pass::product) return;
+  for (const auto& block : blocks_) block->clocked();
+}
+
 void CycleEngine::load(const fixed::QuantisedMatrix& matrix, const fixed::Settings& settings) {
   require_supported(settings);
   abort();
   layout_.emplace(architecture_, matrix.row_begin, matrix.column);
+  direction_.load(layout_->nodes());
   matrix_ = matrix;
   settings_ = settings;
   for (int i = 0; i < architecture_.partitions; ++i) blocks_[at(i)]->load(*layout_, i);
@@ -85,6 +99,7 @@ void CycleEngine::load(const fixed::QuantisedMatrix& matrix, const fixed::Settin
 }
 
 void CycleEngine::make_inverse(const fixed::Settings& settings) {
+  inverse_settings_ = settings;
   preconditioner_.emplace(settings);
   preconditioner_->load(read_matrix());
   std::ranges::copy(preconditioner_->words(), vectors_.memories().inverse.begin());
@@ -164,17 +179,17 @@ void CycleEngine::start_editing(int node) {
 
 void CycleEngine::start_inversion() {
   start_editing(-1);
-  editor_.invert_all(settings_.method);
+  editor_.invert_all(inverse_settings_);
 }
 
 void CycleEngine::start_constraining(int node, std::int32_t diagonal) {
   start_editing(node);
-  editor_.constrain(node, diagonal, settings_.method);
+  editor_.constrain(node, diagonal, inverse_settings_);
 }
 
 void CycleEngine::start_restoring(int node, std::span<const std::int32_t> row) {
   start_editing(node);
-  editor_.restore(node, row, settings_.method);
+  editor_.restore(node, row, inverse_settings_);
 }
 
 void CycleEngine::end_editing() {
@@ -212,7 +227,7 @@ void CycleEngine::start_solve(const fixed::Settings& settings, fixed::Observer* 
 
 void CycleEngine::begin_solve() {
   vectors_.configure(settings_, preconditioner_->shift());
-  divider_.configure(settings_, architecture_.division_clocks * settings_.scalar_bits / 64);
+  divider_.configure(settings_, static_cast<int>(architecture_.division(settings_)));
   vectors_.report() = {};
   divider_.report() = {};
   clock_.open();

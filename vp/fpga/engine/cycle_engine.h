@@ -12,6 +12,7 @@
 #include "models/fixed/reference_preconditioner.h"
 #include "models/fixed/settings.h"
 #include "models/fixed/solver.h"
+#include "vp/fpga/engine/direction_copies.h"
 #include "vp/fpga/engine/divider.h"
 #include "vp/fpga/engine/engine_clock.h"
 #include "vp/fpga/engine/layout.h"
@@ -87,6 +88,7 @@ class CycleEngine : public sc_core::sc_module {
   }
 
  private:
+  void clocked();
   void require_idle();
   void begin_command();
   void end_command();
@@ -104,6 +106,7 @@ class CycleEngine : public sc_core::sc_module {
 
   accel::Architecture architecture_;
   EngineClock clock_;
+  DirectionCopies direction_;
   std::vector<std::unique_ptr<SpmxvBlock>> blocks_;
   VectorUnit vectors_;
   Divider divider_;
@@ -114,6 +117,7 @@ class CycleEngine : public sc_core::sc_module {
   std::optional<Layout> layout_;
   fixed::QuantisedMatrix matrix_;  // the pattern; read_matrix() fetches the words
   fixed::Settings settings_;
+  fixed::Settings inverse_settings_;  // with which P⁻¹ was made
   std::optional<fixed::ReferencePreconditioner> preconditioner_;
   fixed::Observer* observer_ = nullptr;
   int edited_node_ = -1;  // −1: all

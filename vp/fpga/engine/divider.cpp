@@ -1,16 +1,8 @@
 #include "vp/fpga/engine/divider.h"
 
-#include <algorithm>
+#include <stdexcept>
 
 namespace hvp::vp::engine {
-
-Divider::Divider(const sc_core::sc_module_name& name, EngineClock& clock)
-    : sc_module(name), clock_(clock) {
-  SC_HAS_PROCESS(Divider);
-  SC_METHOD(clocked);
-  sensitive << clock_.edge();
-  dont_initialize();
-}
 
 void Divider::configure(const fixed::Settings& settings, int clocks) {
   settings_ = settings;
@@ -18,21 +10,41 @@ void Divider::configure(const fixed::Settings& settings, int clocks) {
 }
 
 void Divider::clocked() {
-  const DivisionCommand& division = command->read();
-  if (division.number != number_) {
-    number_ = division.number;
-    busy_ = true;
-    // The command's register takes the first edge.
-    left_ = std::max(1, clocks_ - 1);
+  const DivisionCommand& next = command->read();
+  if (next.number != command_.number) {
+    command_ = next;
+    begin();
+  } else if (busy_ && phase_ == Phase::divide) {
+    if (division_.step()) take_quotient();
+  } else if (busy_ && phase_ == Phase::rescale) {
+    if (rescaling_.step()) {
+      result_.up = rescaling_.up();
+      phase_ = Phase::wait;
+    }
   }
   if (!busy_ || --left_ > 0) return;
+  if (phase_ != Phase::wait) throw std::logic_error("a division outlasts its clocks");
   busy_ = false;
-  Quotient result{number_, {}};
-  if (!division.hold) {
-    result.value =
-        machine_.divide(division.numerator, division.denominator, division.fraction_bits);
+  quotient.write(result_);
+}
+
+void Divider::begin() {
+  busy_ = true;
+  left_ = clocks_ - 1;  // the command's register takes the first edge
+  result_ = {command_.number, {}, 0};
+  phase_ = Phase::wait;
+  if (command_.hold) return;
+  phase_ = Phase::divide;
+  division_.start(settings_, command_.numerator, command_.denominator, command_.fraction_bits);
+}
+
+void Divider::take_quotient() {
+  result_.value = division_.quotient();
+  if (division_.beyond()) {
+    ++(settings_.overflow == fixed::Overflow::saturate ? report_.saturations : report_.wraps);
   }
-  quotient.write(result);
+  rescaling_.start(settings_, command_.rescaling, result_.value);
+  phase_ = Phase::rescale;
 }
 
 }  // namespace hvp::vp::engine

@@ -3,7 +3,7 @@
 #include <cstdint>
 #include <systemc>
 
-#include "models/fixed/reference_machine.h"
+#include "models/fixed/division.h"
 #include "models/fixed/settings.h"
 #include "models/fixed/solver.h"
 #include "models/fixed/types.h"
@@ -17,39 +17,50 @@ struct DivisionCommand {
   fixed::Int128 denominator = 1;
   int fraction_bits = 0;  // for fixed coefficients
   bool hold = false;      // the divider works, and its quotient is ignored
+  // What the re-scaling behind the division starts from.
+  fixed::RescalingSteps::Operands rescaling{};
 };
 
 struct Quotient {
   std::uint32_t number = 0;
   fixed::Coefficient value;
+  int up = 0;  // the power of two of the re-scaling
 };
 
-// The divider of α and β. It shifts and subtracts, with the same number of clocks for every
-// division: `clocks` from the command's edge to the quotient's.
+// The divider of α and β and the re-scaling behind it, a step an edge (models/fixed/division.h).
+// Every command takes the same number of clocks, from its edge to the quotient's, so that a solve's
+// clocks do not depend on its words.
 class Divider : public sc_core::sc_module {
  public:
-  Divider(const sc_core::sc_module_name& name, EngineClock& clock);
+  explicit Divider(const sc_core::sc_module_name& name) : sc_module(name) {}
 
   const Register<DivisionCommand>* command = nullptr;
   Register<Quotient> quotient;
 
-  // Sets the words and rules of the next jobs.
+  // Sets the words and rules of the next jobs. `clocks` are at least
+  // fixed::shortest_division(settings).
   void configure(const fixed::Settings& settings, int clocks);
+  void clocked();
   void reset() { busy_ = false; }
   fixed::Report& report() { return report_; }
   bool busy() const { return busy_; }
 
  private:
-  void clocked();
+  enum class Phase { divide, rescale, wait };
 
-  EngineClock& clock_;
+  void begin();
+  void take_quotient();
+
   fixed::Settings settings_;
   fixed::Report report_;
-  fixed::ReferenceMachine machine_{settings_, report_};
+  fixed::DivisionSteps division_;
+  fixed::RescalingSteps rescaling_;
+  Phase phase_ = Phase::wait;
   int clocks_ = 1;
   int left_ = 0;
   bool busy_ = false;
-  std::uint32_t number_ = 0;
+  DivisionCommand command_;
+  Quotient result_;
 };
 
 }  // namespace hvp::vp::engine

@@ -2,16 +2,22 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <systemc>
 
 namespace hvp::vp::engine {
 
 // The engine's gated clock: it has edges only while a unit has work, so that an idle engine costs
-// no wall time.
+// no wall time. All units act in its one process, because a process for each costs more than most
+// of them do at an edge. What they exchange are registers, so that whoever waits for the edge
+// beside them sees what was there before it.
 class EngineClock : public sc_core::sc_module {
  public:
-  EngineClock(const sc_core::sc_module_name& name, std::int64_t period_ps);
+  // `units` is what the units do at an edge.
+  EngineClock(const sc_core::sc_module_name& name, std::int64_t period_ps,
+              std::function<void()> units);
 
+  // For observers.
   const sc_core::sc_event& edge() const { return edge_; }
   // Opens the gate. The first edge comes a period from now, even if the gate was open.
   void open();
@@ -27,16 +33,19 @@ class EngineClock : public sc_core::sc_module {
 
   sc_core::sc_time period_;
   sc_core::sc_event edge_;
+  std::function<void()> units_;
   bool open_ = false;
 };
 
 // A rank of flip-flops between two modules: a value written at an edge is read from the next edge
-// on, whatever the order of the processes. It is an sc_signal of a struct, without events.
+// on, whatever the order of the units. It is an sc_signal of a struct, without events.
 template <class T>
 class Register : public sc_core::sc_prim_channel {
  public:
   Register() = default;
   const T& read() const { return now_; }
+  // What read() returns from the next edge on.
+  const T& next() const { return next_; }
   void write(const T& value) {
     next_ = value;
     request_update();

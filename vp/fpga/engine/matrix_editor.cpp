@@ -17,14 +17,9 @@ int divisions_a_node(fixed::Method method) {
 }  // namespace
 
 MatrixEditor::MatrixEditor(const sc_core::sc_module_name& name,
-                           const accel::Architecture& architecture, EngineClock& clock,
+                           const accel::Architecture& architecture,
                            std::vector<std::unique_ptr<SpmxvBlock>>& blocks)
-    : sc_module(name), architecture_(architecture), clock_(clock), blocks_(blocks) {
-  SC_HAS_PROCESS(MatrixEditor);
-  SC_METHOD(clocked);
-  sensitive << clock_.edge();
-  dont_initialize();
-}
+    : sc_module(name), architecture_(architecture), blocks_(blocks) {}
 
 void MatrixEditor::load(const Layout& layout, const std::vector<std::uint8_t>& contact) {
   layout_ = &layout;
@@ -33,32 +28,34 @@ void MatrixEditor::load(const Layout& layout, const std::vector<std::uint8_t>& c
   busy_ = false;
 }
 
-void MatrixEditor::constrain(int node, std::int32_t diagonal, fixed::Method method) {
+void MatrixEditor::constrain(int node, std::int32_t diagonal, const fixed::Settings& settings) {
   restoring_ = false;
   diagonal_ = diagonal;
   contact_[at(node)] = 1;
-  begin(node, method);
+  begin(node, settings);
 }
 
-void MatrixEditor::restore(int node, std::span<const std::int32_t> row, fixed::Method method) {
+void MatrixEditor::restore(int node, std::span<const std::int32_t> row,
+                           const fixed::Settings& settings) {
   restoring_ = true;
   staged_.assign(row.begin(), row.end());
   contact_[at(node)] = 0;
-  begin(node, method);
+  begin(node, settings);
 }
 
-void MatrixEditor::invert_all(fixed::Method method) {
-  const std::int64_t divisions = std::int64_t{divisions_a_node(method)} * layout_->nodes();
+void MatrixEditor::invert_all(const fixed::Settings& settings) {
+  const std::int64_t divisions = std::int64_t{divisions_a_node(settings.method)} * layout_->nodes();
   visits_.clear();
   next_visit_ = 0;
-  drain_ =
-      divisions == 0 ? 1 : divisions * architecture_.division_clocks + architecture_.phase_clocks();
+  drain_ = divisions == 0 ? 1
+                          : divisions * architecture_.inverse_division(settings) +
+                                architecture_.phase_clocks();
   edges_ = drain_;
   busy_ = true;
 }
 
 // The node's own packages tell its neighbours; theirs follow.
-void MatrixEditor::begin(int node, fixed::Method method) {
+void MatrixEditor::begin(int node, const fixed::Settings& settings) {
   node_ = node;
   visits_.clear();
   next_visit_ = 0;
@@ -85,9 +82,9 @@ void MatrixEditor::begin(int node, fixed::Method method) {
       if (neighbour != node) list(neighbour);
     }
   }
-  drain_ = architecture_.phase_clocks() +
-           std::int64_t{divisions_a_node(method)} * architecture_.division_clocks;
-  if (method == fixed::Method::block_jacobi_pcg) drain_ += architecture_.phase_clocks();
+  drain_ = architecture_.phase_clocks() + std::int64_t{divisions_a_node(settings.method)} *
+                                              architecture_.inverse_division(settings);
+  if (settings.method == fixed::Method::block_jacobi_pcg) drain_ += architecture_.phase_clocks();
   edges_ = static_cast<std::int64_t>(visits_.size()) + drain_;
   busy_ = true;
 }

@@ -9,7 +9,6 @@
 
 #include "models/accel/architecture.h"
 #include "models/fixed/settings.h"
-#include "vp/fpga/engine/engine_clock.h"
 #include "vp/fpga/engine/layout.h"
 #include "vp/fpga/engine/spmxv_block.h"
 
@@ -22,19 +21,20 @@ namespace hvp::vp::engine {
 class MatrixEditor : public sc_core::sc_module {
  public:
   MatrixEditor(const sc_core::sc_module_name& name, const accel::Architecture& architecture,
-               EngineClock& clock, std::vector<std::unique_ptr<SpmxvBlock>>& blocks);
+               std::vector<std::unique_ptr<SpmxvBlock>>& blocks);
 
   std::function<void()> finished;
 
   // `contact` says which nodes are contact nodes.
   void load(const Layout& layout, const std::vector<std::uint8_t>& contact);
   // Clears the row and the column of a node but for `diagonal`.
-  void constrain(int node, std::int32_t diagonal, fixed::Method method);
+  void constrain(int node, std::int32_t diagonal, const fixed::Settings& settings);
   // Restores the node's row and column. `row` has nine words for each block of the row, in the
   // order of its pattern. Blocks shared with another contact node stay cleared.
-  void restore(int node, std::span<const std::int32_t> row, fixed::Method method);
+  void restore(int node, std::span<const std::int32_t> row, const fixed::Settings& settings);
   // Makes P⁻¹ of all nodes.
-  void invert_all(fixed::Method method);
+  void invert_all(const fixed::Settings& settings);
+  void clocked();
   void abort() { busy_ = false; }
   // True if all packages are written and the pipelines are empty with the next edge.
   bool at_last_edge() const { return next_visit_ == visits_.size() && drain_ <= 1; }
@@ -55,13 +55,11 @@ class MatrixEditor : public sc_core::sc_module {
     int first_block = 0;  // the row's block of the package's first column
   };
 
-  void begin(int node, fixed::Method method);
-  void clocked();
+  void begin(int node, const fixed::Settings& settings);
   void visit(const Visit& visit);
   std::int32_t word(const Visit& visit, int block_column, int row, int column) const;
 
   const accel::Architecture& architecture_;
-  EngineClock& clock_;
   std::vector<std::unique_ptr<SpmxvBlock>>& blocks_;
   const Layout* layout_ = nullptr;
   std::vector<std::uint8_t> contact_;  // one bit for each node

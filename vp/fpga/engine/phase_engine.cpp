@@ -76,16 +76,21 @@ std::int64_t product_clocks(const accel::Architecture& architecture, const Layou
     std::ranges::fill(bank, std::uint8_t{0});
     int lanes = architecture.nodes_per_clock;
     const std::size_t turn = first;
+    bool passed_over = false;
     for (std::size_t i = 0; i < stream.size() && lanes > 0; ++i) {
       const std::size_t block = (turn + i) % stream.size();
       if (!stream[block].has(clock)) continue;
       std::uint8_t& taken = bank[at(stream[block].node() % architecture.nodes_per_clock)];
-      if (taken != 0) continue;
+      if (taken != 0) {
+        if (!passed_over) first = block;
+        passed_over = true;
+        continue;
+      }
       taken = 1;
       stream[block].take();
       --lanes;
       --left;
-      first = (block + 1) % stream.size();
+      if (!passed_over) first = (block + 1) % stream.size();
     }
   }
   return clock + architecture.vector_clocks();
@@ -285,9 +290,7 @@ void PhaseEngine::advance() {
 
 void PhaseEngine::hold(State state, const sc_core::sc_time& after) {
   const auto phase = [&]() -> EnginePhase {
-    // Command and quotient stand in registers.
-    const std::int64_t division = std::max<std::int64_t>(
-        2, std::int64_t{architecture_.division_clocks} * settings_.scalar_bits / 64);
+    const std::int64_t division = architecture_.division(settings_);
     switch (state) {
       case State::guess:
       case State::first_direction:

@@ -1,7 +1,5 @@
 #include "vp/fpga/engine/sequencer.h"
 
-#include <cmath>
-
 #include "models/fixed/reference_preconditioner.h"
 #include "models/fixed/word.h"
 
@@ -46,14 +44,6 @@ const char* name(State state) {
   return "";
 }
 
-Sequencer::Sequencer(const sc_core::sc_module_name& name, EngineClock& clock)
-    : sc_module(name), clock_(clock) {
-  SC_HAS_PROCESS(Sequencer);
-  SC_METHOD(clocked);
-  sensitive << clock_.edge();
-  dont_initialize();
-}
-
 void Sequencer::start(const fixed::Settings& settings, int inverse_shift, bool has_previous) {
   settings_ = settings;
   inverse_shift_ = inverse_shift;
@@ -82,7 +72,7 @@ void Sequencer::abort() { command(State::idle, {.pass = Pass::none}); }
 void Sequencer::clocked() {
   if (state_ == State::idle) return;
   if (state_ == State::alpha || state_ == State::beta) {
-    if (quotient->read().number == division_number_) take_quotient(quotient->read().value);
+    if (quotient->read().number == division_number_) take_quotient(quotient->read());
   } else if (vector_status->read().number == vector_number_) {
     pass_is_over(vector_status->read());
   }
@@ -98,7 +88,9 @@ void Sequencer::pass_is_over(const VectorStatus& status) {
       multiply(State::start_product, true);
       break;
     case State::start_product:
-      rhs_square_ = std::ldexp(static_cast<double>(status.squares), 2 * settings_.rhs_shift());
+      stop_test_ =
+          fixed::StopTest(settings_.stop_residual, static_cast<fixed::UInt128>(status.squares),
+                          settings_.rhs_shift());
       form_residual(State::start_residual, status);
       break;
     case State::start_residual:
@@ -138,20 +130,20 @@ void Sequencer::pass_is_over(const VectorStatus& status) {
   }
 }
 
-void Sequencer::take_quotient(fixed::Coefficient value) {
+void Sequencer::take_quotient(const Quotient& taken) {
   Scalars& s = scalars_;
   if (state_ == State::alpha) {
-    s.alpha = value;
+    s.alpha = taken.value;
     s.alpha.exponent += s.d_q.exponent - s.z_r.exponent;
-    form_update();
+    form_update(taken.up);
     return;
   }
   s.beta = {};
   if (s.z_r.word > 0) {
-    s.beta = value;
+    s.beta = taken.value;
     s.beta.exponent += z_r_before_.exponent - s.z_r.exponent;
   }
-  form_direction();
+  form_direction(taken.up);
 }
 
 // For whoever reads the clocks; no decision hangs on them.
@@ -212,7 +204,7 @@ void Sequencer::take_residual(const VectorStatus& status) {
     s.z_exponent += fixed::ReferencePreconditioner::scale_bits(settings_) - inverse_shift_;
   }
   s.z_r = {machine_.write_scalar(status.dot), s.z_exponent + s.r_exponent};
-  residual_square_ = std::ldexp(static_cast<double>(status.squares), -2 * s.r_exponent);
+  residual_squares_ = static_cast<fixed::UInt128>(status.squares);
 }
 
 void Sequencer::form_first_direction() {
@@ -229,8 +221,7 @@ void Sequencer::form_first_direction() {
 // ‖r‖ <= stop_residual · ‖b‖.
 bool Sequencer::reached() const {
   if (settings_.stop_residual == 0) return false;
-  const double limit = settings_.stop_residual;
-  return residual_square_ <= limit * limit * rhs_square_;
+  return stop_test_.reached(residual_squares_, scalars_.r_exponent);
 }
 
 void Sequencer::begin_iteration() {
@@ -262,9 +253,18 @@ void Sequencer::take_product(const VectorStatus& status) {
     end();
     return;
   }
-  divide(State::alpha, {.numerator = s.z_r.word,
-                        .denominator = s.d_q.word,
-                        .fraction_bits = settings_.alpha_fraction_bits});
+  divide(State::alpha,
+         {.numerator = s.z_r.word,
+          .denominator = s.d_q.word,
+          .fraction_bits = settings_.alpha_fraction_bits,
+          // r is bounded by |r| + α·|q|.
+          .rescaling = {.a = s.largest_r,
+                        .a_exponent = 0,
+                        .largest = s.largest_q,
+                        .b_exponent = s.d_q.exponent - s.z_r.exponent - s.q_exponent + s.r_exponent,
+                        .word_bits = settings_.residual_bits(),
+                        .target_bits = residual_target_,
+                        .available_bits = residual_available_}});
 }
 
 bool Sequencer::replaces() {
@@ -274,8 +274,8 @@ bool Sequencer::replaces() {
   return true;
 }
 
-// x += α·d, r −= α·q with r re-scaled by the bound |r| + α·|q|.
-void Sequencer::form_update() {
+// x += α·d, r −= α·q with r re-scaled.
+void Sequencer::form_update(int up) {
   Scalars& s = scalars_;
   if (hold_) {
     replaced_ = false;
@@ -286,13 +286,8 @@ void Sequencer::form_update() {
   replaced_ = replaces();
   const int exponent = s.alpha.exponent - s.q_exponent + s.r_exponent;
   s.shown_alpha = {s.alpha.mantissa, exponent};
-  int up = 0;
-  if (!replaced_) {
-    up = machine_.rescaling(s.largest_r, 0, fixed::magnitude(s.alpha.mantissa) * s.largest_q,
-                            exponent, settings_.residual_bits(), residual_target_,
-                            residual_available_);
-    s.r_exponent += up;
-  }
+  if (replaced_) up = 0;
+  s.r_exponent += up;
   command(State::update, {.pass = Pass::update,
                           .exchange = replaced_,
                           .alpha = s.alpha.mantissa,
@@ -302,27 +297,30 @@ void Sequencer::form_update() {
 }
 
 void Sequencer::form_beta() {
-  if (hold_ || scalars_.z_r.word <= 0) {
+  const Scalars& s = scalars_;
+  if (hold_ || s.z_r.word <= 0) {
     divide(State::beta, {.hold = true});
     return;
   }
-  divide(State::beta, {.numerator = scalars_.z_r.word,
+  divide(State::beta, {.numerator = s.z_r.word,
                        .denominator = z_r_before_.word,
-                       .fraction_bits = settings_.beta_fraction_bits});
+                       .fraction_bits = settings_.beta_fraction_bits,
+                       // d is bounded by |z| + β·|d|.
+                       .rescaling = {.a = s.largest_z,
+                                     .a_exponent = s.d_exponent - s.z_exponent,
+                                     .largest = s.largest_d,
+                                     .b_exponent = z_r_before_.exponent - s.z_r.exponent,
+                                     .word_bits = settings_.vector_bits,
+                                     .target_bits = direction_target_,
+                                     .available_bits = settings_.vector_bits - 1}});
 }
 
-// d = z + β·d, re-scaled by the bound |z| + β·|d|.
-void Sequencer::form_direction() {
+// d = z + β·d, re-scaled.
+void Sequencer::form_direction(int up) {
   Scalars& s = scalars_;
   if (hold_) {
     command(State::direction, {.pass = Pass::direction, .hold = true});
     return;
-  }
-  int up = 0;
-  if (s.z_r.word > 0) {
-    up = machine_.rescaling(s.largest_z, s.d_exponent - s.z_exponent,
-                            fixed::magnitude(s.beta.mantissa) * s.largest_d, s.beta.exponent,
-                            settings_.vector_bits, direction_target_, settings_.vector_bits - 1);
   }
   s.d_exponent += up;
   command(State::direction, {.pass = Pass::direction,

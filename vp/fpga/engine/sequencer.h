@@ -9,6 +9,7 @@
 #include "models/fixed/reference_machine.h"
 #include "models/fixed/settings.h"
 #include "models/fixed/solver.h"
+#include "models/fixed/stop_test.h"
 #include "vp/fpga/engine/divider.h"
 #include "vp/fpga/engine/engine_clock.h"
 #include "vp/fpga/engine/vector_unit.h"
@@ -52,7 +53,8 @@ struct Scalars {
 // thesis §4.2). It acts when a unit reports its end, and never counts clocks.
 class Sequencer : public sc_core::sc_module {
  public:
-  Sequencer(const sc_core::sc_module_name& name, EngineClock& clock);
+  Sequencer(const sc_core::sc_module_name& name, const EngineClock& clock)
+      : sc_module(name), clock_(clock) {}
 
   Register<std::uint32_t> product_start;  // to the SpMxV blocks
   Register<VectorCommand> vector_command;
@@ -66,6 +68,7 @@ class Sequencer : public sc_core::sc_module {
   std::function<void()> finished;
   std::function<void()> copied;  // the copies of d contain x
 
+  void clocked();
   // Starts a solve, whose first pass begins at once; x has to be in the copies of d.
   // `inverse_shift` is that of P⁻¹·r. `has_previous`: an extrapolated start has a solution before
   // x.
@@ -82,9 +85,8 @@ class Sequencer : public sc_core::sc_module {
   const StateClocks& state_clocks() const { return state_clocks_; }
 
  private:
-  void clocked();
   void pass_is_over(const VectorStatus& status);
-  void take_quotient(fixed::Coefficient value);
+  void take_quotient(const Quotient& taken);
 
   void enter(State state);
   void command(State state, VectorCommand next);
@@ -97,13 +99,13 @@ class Sequencer : public sc_core::sc_module {
   void form_first_direction();
   void begin_iteration();
   void take_product(const VectorStatus& status);
-  void form_update();
+  void form_update(int up);
   void form_beta();
-  void form_direction();
+  void form_direction(int up);
   bool reached() const;
   bool replaces();
 
-  EngineClock& clock_;
+  const EngineClock& clock_;
   fixed::Settings settings_;
   fixed::Report report_;
   fixed::ReferenceMachine machine_{settings_, report_};
@@ -123,8 +125,8 @@ class Sequencer : public sc_core::sc_module {
   bool zero_ = false;      // the solve starts from zero, whatever x is
   bool hold_ = false;      // the solve is over, and its passes go on
   bool replaced_ = false;  // this iteration's residual is formed anew
-  double rhs_square_ = 0;
-  double residual_square_ = 0;
+  fixed::StopTest stop_test_;
+  fixed::UInt128 residual_squares_ = 0;  // rᵀr in words of r
   fixed::ScaledScalar z_r_before_;
 };
 

@@ -8,8 +8,10 @@
 #include <vector>
 
 #include "models/accel/architecture.h"
+#include "vp/fpga/engine/direction_copies.h"
 #include "vp/fpga/engine/engine_clock.h"
 #include "vp/fpga/engine/layout.h"
+#include "vp/fpga/engine/row_sums.h"
 
 namespace hvp::vp::engine {
 
@@ -23,14 +25,6 @@ struct RowResult {
   std::array<std::int32_t, 3> own{};
 };
 
-// The nodes of a vector that are written into the copies at one edge.
-struct DirectionWrite {
-  int first = 0;
-  int count = 0;
-  std::uint32_t number = 0;             // counts the writes, so that none is taken twice
-  const std::int32_t* words = nullptr;  // three a node
-};
-
 // The SpMxV sub-block of thesis Fig. 5.5, one for each partition: non-zero memory and index memory,
 // its own copy of the multiplied vector, PL1 × PL2 multipliers, adder trees and accumulators, and a
 // memory for finished rows.
@@ -39,10 +33,13 @@ struct DirectionWrite {
 // if it ends a row, when the result memory has room for that row. Its row is in the result memory
 // memory_read + multiplier + adder_tree edges later. The index memory is read ahead, because it
 // does not depend on any vector.
+//
+// Only the rows' last packages are followed through the pipelines. The words that the others carry
+// are made when the row is done (RowSums), which does not show: they stay in the memories.
 class SpmxvBlock : public sc_core::sc_module {
  public:
   SpmxvBlock(const sc_core::sc_module_name& name, const accel::Architecture& architecture,
-             EngineClock& clock);
+             DirectionCopies& direction);
 
   // From the sequencer; every change starts a product.
   const Register<std::uint32_t>* start = nullptr;
@@ -55,19 +52,25 @@ class SpmxvBlock : public sc_core::sc_module {
 
   // A host access, while idle. `layout` has to stay in place.
   void load(const Layout& layout, int partition);
+  void clocked();
   // Empties pipelines and result memory.
   void reset();
-  // The words of a package: three rows of PL2.
+  // The words of a package, three rows of PL2, to be written or read.
   std::span<std::int32_t> package_words(int package);
   std::span<const std::int32_t> package_words(int package) const;
 
   const Partition& partition() const { return *partition_; }
   // The second half of a dual-port memory: the vector unit's port on this copy of d.
   const std::int32_t* direction(int node) const {
-    return &direction_[3 * static_cast<std::size_t>(node)];
+    return &direction()[3 * static_cast<std::size_t>(node)];
   }
-  const std::vector<std::int32_t>& direction() const { return direction_; }
+  const std::vector<std::int32_t>& direction() const { return direction_.words(); }
   const RowResult& result(std::uint32_t number) const { return queue_[number % queue_.size()]; }
+  // The places of the result memory, which the rows take in turn from 0 on.
+  const RowResult& result_in(std::size_t place) const { return queue_[place]; }
+  std::size_t next_place(std::size_t place) const {
+    return place + 1 == queue_.size() ? 0 : place + 1;
+  }
 
   // For traces and statistics.
   int position() const { return position_; }
@@ -76,40 +79,34 @@ class SpmxvBlock : public sc_core::sc_module {
   std::int64_t queue_stalls() const { return queue_stalls_; }
 
  private:
-  // A package in the pipelines.
-  struct InFlight {
-    int package = -1;
-    std::array<std::int64_t, 3> sum{};
-    std::array<std::int32_t, 3> own{};
-    std::array<bool, 3> caught{};
-  };
-
-  void clocked();
-  void write_direction();
-  int issue();
-  void multiply(std::size_t slot);
-  void add(std::size_t slot);
-  void accumulate(const InFlight& flight);
+  void begin_product();
+  void issue();
+  void finish_row();
 
   const accel::Architecture& architecture_;
-  EngineClock& clock_;
   const Partition* partition_ = nullptr;
-  int nodes_in_package_ = 0;
+  DirectionCopies& direction_;
 
-  std::vector<std::int32_t> nonzeros_;   // package by package, three rows of PL2
-  std::vector<std::int32_t> direction_;  // three a node
-  std::vector<RowResult> queue_;         // the result memory
+  std::vector<std::int32_t> nonzeros_;  // package by package, three rows of PL2
+  std::vector<RowResult> queue_;        // the result memory
+  RowSums sums_;
 
-  Ranks ranks_;
-  std::vector<InFlight> flight_;
-  std::vector<std::int64_t> products_;  // three rows of PL2 for each slot
+  // A row whose last package is in the pipelines; it has a place in the result memory.
+  struct InFlight {
+    int row = 0;            // its index in the partition
+    std::int64_t done = 0;  // the edge at which it has passed them
+  };
+  std::vector<InFlight> flight_;  // by the row's place in the result memory
+  std::size_t issued_place_ = 0;
+  std::size_t finished_place_ = 0;
+  std::int64_t edge_ = 0;
+  std::int64_t next_done_ = -1;  // of the next row; −1: none is in the pipelines
 
-  RowResult row_;  // the accumulators
   bool busy_ = false;
+  int row_ = 0;       // the row that is served
   int position_ = 0;  // the package that is served
   int served_ = 0;    // edges that the banks have spent on it
   std::uint32_t started_ = 0;
-  std::uint32_t written_ = 0;
   std::uint32_t issued_rows_ = 0;
   std::uint32_t finished_rows_ = 0;
   std::int64_t bank_stalls_ = 0;

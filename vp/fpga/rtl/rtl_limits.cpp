@@ -2,6 +2,7 @@
 #include <string>
 
 #include "models/config/input_error.h"
+#include "models/fixed/division.h"
 #include "vp/fpga/rtl/rtl_engine.h"
 
 namespace hvp::vp::rtl {
@@ -28,7 +29,9 @@ void require_fitting(const EngineSize& size, const accel::Architecture& a) {
   require_equal("multiplier_clocks", a.multiplier_clocks, 3);
   require_equal("adder_tree_clocks", a.adder_tree_clocks, 4);
   require_equal("pipeline_clocks", a.phase_clocks(), size.phase_clocks);
-  require_equal("division_clocks", a.division_clocks, size.division_clocks);
+  if (a.division_clocks != 0) {
+    require_equal("division_clocks", a.division_clocks, size.division_clocks);
+  }
   require_equal("result_queue", a.result_queue, 1 << size.queue_bits);
   require_equal("direction_banks", a.direction_banks, 1);
   require(a.direction_memory == accel::DirectionMemory::double_pumped, "direction_memory",
@@ -45,9 +48,10 @@ void require_fitting(const EngineSize& size, const fixed::Settings& s) {
   require(s.coefficient_format == fixed::CoefficientFormat::own_shift, "coefficient_format",
           "\"fixed\"", "\"own-shift\"");
   require(s.overflow == fixed::Overflow::saturate, "overflow", "\"wrap\"", "\"saturate\"");
-  // Its square has to be a double of all its bits.
-  require(s.stop_residual == 0 || s.stop_residual >= 0x1p-511, "stop_residual", "less than 2^-511",
-          "0");
+  require(fixed::shortest_division(s) <= size.division_clocks, "scaling_step",
+          std::to_string(s.scaling_step) + ", with which a division takes " +
+              std::to_string(fixed::shortest_division(s)) + " clocks",
+          "1, as its divisions have " + std::to_string(size.division_clocks) + ",");
   // Without room for a vector that grows both terms of a sum can be beyond every word, and the
   // words of their sum need as many bits as the terms have.
   require(s.scaling_down || !s.dynamic_scaling, "scaling_down", "false", "true");

@@ -2,8 +2,8 @@
 // memory of q, up to Lanes, in turn from the partition behind the one that was served last
 // (engine::VectorUnit::collect). A row goes to the lane of its node's memory.
 //
-// It serves whoever can be served and does not wait for a partition whose memory of q is taken: such
-// a partition waits as long as others have rows for that memory.
+// The first partition that is passed over, because its memory of q is taken while another one is
+// free, has the next turn. Whoever has a turn is served, so that no row waits for Partitions clocks.
 `default_nettype none
 
 module row_collector #(
@@ -41,6 +41,7 @@ module row_collector #(
 
   always_comb begin
     automatic logic [IndexBits-1:0] partition = first;
+    automatic logic passed_over = 1'b0;
     next_first = first;
     takes = '0;
     from = '0;
@@ -49,11 +50,16 @@ module row_collector #(
       automatic logic [LaneBits-1:0] lane = Lanes > 1 ? node[partition][LaneBits-1:0] : '0;
       automatic logic [IndexBits-1:0] next =
           partition == IndexBits'(Partitions - 1) ? '0 : partition + 1'b1;
-      if (collects && finished[partition] != taken[partition] && !takes[lane]) begin
-        takes[lane] = 1'b1;
-        from[lane] = partition;
-        gives[partition] = 1'b1;
-        next_first = next;
+      if (collects && finished[partition] != taken[partition] && !(&takes)) begin
+        if (!takes[lane]) begin
+          takes[lane] = 1'b1;
+          from[lane] = partition;
+          gives[partition] = 1'b1;
+          if (!passed_over) next_first = next;
+        end else if (!passed_over) begin
+          passed_over = 1'b1;
+          next_first = partition;
+        end
       end
       partition = next;
     end

@@ -1,0 +1,39 @@
+#include "vp/fpga/engine/direction_copies.h"
+
+#include <algorithm>
+#include <bit>
+#include <cstddef>
+
+#include "models/index.h"
+
+namespace hvp::vp::engine {
+
+void DirectionCopies::load(int nodes) {
+  words_.assign(3 * at(nodes), 0);
+  operand_.narrow.assign(4 * at(nodes), 0);
+  operand_is_new_ = false;
+}
+
+void DirectionCopies::clocked(const DirectionWrite& write) {
+  if (write.number == written_) return;
+  written_ = write.number;
+  std::copy_n(write.words, 3 * write.count, words_.begin() + 3 * write.first);
+  operand_is_new_ = false;
+}
+
+const DirectionCopies::Operand& DirectionCopies::operand() {
+  if (operand_is_new_) return operand_;
+  operand_is_new_ = true;
+  std::uint32_t used = 0;
+  for (std::size_t node = 0; node < words_.size() / 3; ++node) {
+    for (std::size_t c = 0; c < 3; ++c) {
+      const std::int32_t word = words_[3 * node + c];
+      used |= static_cast<std::uint32_t>(word ^ (word >> 31));
+      operand_.narrow[4 * node + c] = static_cast<std::int16_t>(word);
+    }
+  }
+  operand_.bits = static_cast<int>(std::bit_width(used));
+  return operand_;
+}
+
+}  // namespace hvp::vp::engine

@@ -1,0 +1,45 @@
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+namespace hvp::vp::engine {
+
+// The nodes of a vector that are written into the copies at one edge.
+struct DirectionWrite {
+  int first = 0;
+  int count = 0;
+  std::uint32_t number = 0;             // counts the writes, so that none is taken twice
+  const std::int32_t* words = nullptr;  // three a node
+};
+
+// The copies of the multiplied vector d, one in each SpMxV block. All take the same words at the
+// same edges, so that one array stands for all.
+class DirectionCopies {
+ public:
+  // All words become zero.
+  void load(int nodes);
+  // The copies' second ports, at an edge: nodes that the vector unit has written at the edge
+  // before.
+  void clocked(const DirectionWrite& write);
+
+  // Three a node.
+  const std::vector<std::int32_t>& words() const { return words_; }
+
+  // The words for a product, during which none is written.
+  struct Operand {
+    // Of the words' magnitudes: all lie in [−2^bits, 2^bits).
+    int bits = 0;
+    // Four a node, the last of them zero; meaningless where the words have more bits.
+    std::vector<std::int16_t> narrow;
+  };
+  const Operand& operand();
+
+ private:
+  std::vector<std::int32_t> words_;
+  Operand operand_;
+  bool operand_is_new_ = false;  // made since a word was written
+  std::uint32_t written_ = 0;
+};
+
+}  // namespace hvp::vp::engine

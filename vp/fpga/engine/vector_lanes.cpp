@@ -1,0 +1,180 @@
+#include "vp/fpga/engine/vector_lanes.h"
+
+#include <algorithm>
+#include <span>
+
+#include "models/index.h"
+
+namespace hvp::vp::engine {
+
+namespace {
+
+void track(std::uint64_t& largest, std::int64_t value) {
+  largest = std::max(largest, fixed::magnitude(value));
+}
+
+// Two words' product fits into 64 bits; only the sum does not.
+std::int64_t product(std::int32_t a, std::int32_t b) { return std::int64_t{a} * b; }
+
+}  // namespace
+
+void VectorLanes::load(int nodes) {
+  for (auto* memory : {&memories_.x, &memories_.previous, &memories_.b, &memories_.r, &memories_.z,
+                       &memories_.q}) {
+    memory->assign(3 * at(nodes), 0);
+  }
+  memories_.inverse.assign(9 * at(nodes), 0);
+}
+
+void VectorLanes::configure(const fixed::Settings& settings, int inverse_shift) {
+  settings_ = settings;
+  inverse_shift_ = inverse_shift;
+}
+
+void VectorLanes::begin(const VectorCommand& command) {
+  now_ = command;
+  status_ = {};
+  status_.number = command.number;
+  const auto shifter = [this](int exponent) {
+    return WordShifter(exponent, settings_.shift_rounding);
+  };
+  x_shift_ = shifter(now_.x_shift);
+  r_shift_ = shifter(now_.r_shift);
+  change_shift_ = shifter(now_.change_shift);
+  z_shift_ = shifter(now_.z_shift);
+  d_shift_ = shifter(now_.d_shift);
+  product_shift_ = shifter(-settings_.product_shift());
+  preconditioner_shift_ = shifter(-inverse_shift_);
+}
+
+void VectorLanes::write(int first_node, int nodes, const std::int32_t* direction,
+                        std::int32_t* written) {
+  const std::size_t first = 3 * at(first_node);
+  const std::size_t count = 3 * at(nodes);
+  switch (now_.pass) {
+    case Pass::guess:
+      write_guess(first, count, written);
+      break;
+    case Pass::residual:
+      write_residual(first, count, direction, written);
+      break;
+    case Pass::update:
+      write_update(first, count, direction, written);
+      break;
+    case Pass::first_direction:
+    case Pass::direction:
+      write_direction(first, count, direction, written);
+      break;
+    case Pass::none:
+    case Pass::copy:
+    case Pass::product:
+      break;
+  }
+}
+
+// The guess of fixed::extrapolate.
+void VectorLanes::write_guess(std::size_t first, std::size_t count, std::int32_t* written) {
+  const std::span<std::int32_t> x = std::span(memories_.x).subspan(first, count);
+  const std::span<std::int32_t> previous = std::span(memories_.previous).subspan(first, count);
+  if (now_.alone) std::ranges::copy(x, previous.begin());
+  report_.saturations += fixed::extrapolate(x, previous, settings_.vector_bits);
+  std::ranges::copy(x, written);
+}
+
+void VectorLanes::write_residual(std::size_t first, std::size_t count,
+                                 const std::int32_t* direction, std::int32_t* written) {
+  fixed::ReferenceMachine& counted = now_.first ? machine_ : silent_;
+  const int bits = settings_.residual_bits();
+  for (std::size_t i = 0; i < count; ++i) {
+    const std::size_t word = first + i;
+    const std::int32_t b = counted.write(memories_.b[word], bits);
+    const std::int64_t full = (std::int64_t{b} << settings_.rhs_shift()) -
+                              (std::int64_t{memories_.q[word]} << settings_.product_shift());
+    memories_.r[word] = clamped(r_shift_(full), bits);
+    if (now_.zero) memories_.x[word] = 0;
+    if (now_.exchange) {
+      written[i] = memories_.x[word];
+      memories_.x[word] = direction[i];
+    }
+  }
+  precondition(first, count);
+}
+
+// x += α·d, r −= α·q
+void VectorLanes::write_update(std::size_t first, std::size_t count, const std::int32_t* direction,
+                               std::int32_t* written) {
+  for (std::size_t i = 0; i < count; ++i) {
+    const std::size_t word = first + i;
+    const std::int64_t change = x_shift_(product(now_.alpha, direction[i]));
+    const std::int32_t x = clamped(memories_.x[word] + change, settings_.vector_bits);
+    if (now_.exchange) {
+      written[i] = x;
+      memories_.x[word] = direction[i];
+      continue;
+    }
+    memories_.x[word] = x;
+    const std::int64_t kept = r_shift_(memories_.r[word]);
+    memories_.r[word] = clamped(kept - change_shift_(product(now_.alpha, memories_.q[word])),
+                                settings_.residual_bits());
+  }
+  if (!now_.exchange) precondition(first, count);
+}
+
+// z = P⁻¹·r, a node's three rows at once, and the sums of both.
+void VectorLanes::precondition(std::size_t first, std::size_t count) {
+  fixed::Int128 squares = 0;
+  for (std::size_t i = first; i < first + count; ++i) {
+    const std::int32_t r = memories_.r[i];
+    squares += product(r, r);
+    track(status_.largest_r, r);
+  }
+  status_.squares += squares;
+  if (!settings_.preconditioned()) {
+    status_.dot = status_.squares;
+    status_.largest_z = status_.largest_r;
+    return;
+  }
+  for (std::size_t row = first; row < first + count; ++row) {
+    const std::int32_t* const inverse = &memories_.inverse[3 * row];
+    const std::int32_t* const r = &memories_.r[row / 3 * 3];
+    const std::int64_t sum =
+        product(inverse[0], r[0]) + product(inverse[1], r[1]) + product(inverse[2], r[2]);
+    const std::int32_t z = clamped(preconditioner_shift_(sum), fixed::Settings::kProductBits);
+    memories_.z[row] = z;
+    status_.dot += product(z, memories_.r[row]);
+    track(status_.largest_z, z);
+  }
+}
+
+// d = z + β·d
+void VectorLanes::write_direction(std::size_t first, std::size_t count,
+                                  const std::int32_t* direction, std::int32_t* written) {
+  const std::int32_t* const z = &(settings_.preconditioned() ? memories_.z : memories_.r)[first];
+  for (std::size_t i = 0; i < count; ++i) {
+    std::int64_t sum = z_shift_(z[i]);
+    if (now_.pass == Pass::direction) sum += d_shift_(product(now_.beta, direction[i]));
+    written[i] = clamped(sum, settings_.vector_bits);
+    track(status_.largest_d, written[i]);
+  }
+}
+
+std::array<std::int32_t, 3> VectorLanes::round_product(int node,
+                                                       const std::array<std::int64_t, 3>& sum,
+                                                       const std::array<std::int32_t, 3>& own) {
+  std::array<std::int32_t, 3> words{};
+  for (std::size_t c = 0; c < 3; ++c) {
+    const std::int32_t q =
+        clamped(product_shift_(now_.zero ? 0 : sum[c]), fixed::Settings::kProductBits);
+    words[c] = q;
+    status_.dot += product(q, own[c]);
+    track(status_.largest_q, q);
+    if (!now_.compare) continue;
+    const std::int32_t b = silent_.write(memories_.b[3 * at(node) + c], settings_.residual_bits());
+    status_.squares += product(b, b);
+    track(status_.widest, (std::int64_t{b} << settings_.rhs_shift()) -
+                              (std::int64_t{q} << settings_.product_shift()));
+  }
+  return words;
+}
+
+}  // namespace hvp::vp::engine
