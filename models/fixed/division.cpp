@@ -2,13 +2,12 @@
 
 #include <algorithm>
 
+#include "models/fixed/reference_machine.h"
 #include "models/fixed/reference_preconditioner.h"
 
 namespace hvp::fixed {
 
 namespace {
-
-constexpr int kAdderBits = 40;  // docs/fixed-point.md, dynamic scaling
 
 int magnitude_bits(const Settings& s) { return s.scalar_bits - 1; }
 
@@ -165,7 +164,7 @@ bool RescalingSteps::step() {
       unit_ = operands_.a == 0 ? b_top_ : b_ == 0 ? a_top_ : std::max(a_top_, b_top_);
       break;
     case Phase::distances:
-      unit_ -= kAdderBits;
+      unit_ -= kRescalingAdderBits;
       break;
     case Phase::shift_a:
       a_aligned_ = operands_.a == 0 ? 0 : aligned(operands_.a, operands_.a_exponent - unit_);

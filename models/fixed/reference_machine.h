@@ -31,18 +31,20 @@ struct ScaledScalar {
   int exponent = 0;
 };
 
+// Re-scaling adds two terms that are cut to so many bits of the larger.
+inline constexpr int kRescalingAdderBits = 40;
+
 // The bits of a·2^a_exponent + b·2^b_exponent, rounded up; negative for sums under one half. Both
 // terms are cut to 40 bits of the larger, as an adder behind two shifters would. The sum is
 // taken a little too large, by four units of a word of `word_bits` that it just fills: room for
 // the rounding of the two terms, so that what is scaled by this bound cannot saturate.
 inline int sum_bit_length(std::uint64_t a, int a_exponent, std::uint64_t b, int b_exponent,
                           int word_bits) {
-  constexpr int kAdderBits = 40;
   if (a == 0 && b == 0) return 0;
   const int a_top = bit_length(a) + a_exponent;
   const int b_top = bit_length(b) + b_exponent;
   const int top = a == 0 ? b_top : b == 0 ? a_top : std::max(a_top, b_top);
-  const int unit = top - kAdderBits;
+  const int unit = top - kRescalingAdderBits;
   const auto aligned = [unit](std::uint64_t value, int exponent) {
     if (value == 0) return std::uint64_t{0};
     const int left = exponent - unit;

@@ -15,8 +15,9 @@ _EFFORT = (
     "fixed",
     "approximately-timed",
     "cycle-accurate",
-    "rtl",
 )
+# A level that gives what another one gives, and holds the two against each other.
+_CHECKS = ("rtl",)
 
 
 @dataclass(frozen=True)
@@ -85,9 +86,9 @@ def changes_of(
 
 
 def fidelity_keys(reference: Mapping[str, Any]) -> list[dict[str, Any]]:
-    """The declared keys that choose how finely a part is simulated."""
+    """The declared keys that choose how finely a part is simulated, with what they can be."""
     return [
-        key
+        key | {"choices": [choice for choice in key["choices"] if choice not in _CHECKS]}
         for key in reference["keys"]
         if key["path"].startswith(FIDELITY) and key.get("choices") and not key.get("effect")
     ]
