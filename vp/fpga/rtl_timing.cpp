@@ -13,7 +13,7 @@ namespace {
 class EveryRtlClock : public EveryClock {
  public:
   explicit EveryRtlClock(const accel::Architecture& architecture)
-      : EveryClock(architecture), both_(engine_, rtl::engine_thesis) {}
+      : EveryClock(architecture), both_(engine_, rtl::kEngineThesis) {}
 
   void load(const fixed::QuantisedMatrix& matrix, const fixed::Settings& settings) override {
     both_.load(matrix, settings);
@@ -77,11 +77,11 @@ std::unique_ptr<JobTiming> make_rtl_timing(const accel::Architecture& architectu
 void require_rtl() {}
 
 void require_rtl(const accel::Architecture& architecture) {
-  rtl::require_fitting(rtl::engine_thesis, architecture);
+  rtl::require_fitting(rtl::kEngineThesis, architecture);
 }
 
 void require_rtl(const fixed::Settings& settings) {
-  rtl::require_fitting(rtl::engine_thesis, settings);
+  rtl::require_fitting(rtl::kEngineThesis, settings);
 }
 
 }  // namespace hvp::vp

@@ -24,9 +24,9 @@ using test::words;
 // The thesis' own size: its sphere, all its iterations.
 TEST(RtlEngine, AgreesOnTheThesisSphere) {
   const fixed::QuantisedMatrix matrix = fixed::quantise(hvp::test::sphere_stiffness(500), 12);
-  Pair pair(engine_thesis);
+  Pair pair(kEngineThesis);
   Random random(4);
-  const Settings settings = settings_of(engine_thesis);
+  const Settings settings = settings_of(kEngineThesis);
   pair.load(matrix, settings);
   for (int job = 0; job < 2; ++job) {
     pair.write_b(hvp::test::random_words(matrix.rows(), 30000, random.bits()));
@@ -39,9 +39,9 @@ TEST(RtlEngine, AgreesOnTheThesisSphere) {
 
 // An aborted solve leaves the same x in both, whichever state it was in.
 TEST(RtlEngine, AgreesWhereverASolveIsAborted) {
-  Pair pair(engine_thesis);
+  Pair pair(kEngineThesis);
   Random random(5);
-  Settings settings = settings_of(engine_thesis);
+  Settings settings = settings_of(kEngineThesis);
   settings.replace_residual_every = 2;
   settings.iterations = 4;
   std::set<engine::State> states;
@@ -69,11 +69,11 @@ TEST(RtlEngine, AgreesWhereverASolveIsAborted) {
 
 // The comparison itself: what only one of both has is seen, with its place.
 TEST(RtlEngine, ADifferentWordIsFound) {
-  const Settings settings = settings_of(engine_thesis);
+  const Settings settings = settings_of(kEngineThesis);
   Random random(6);
   const fixed::QuantisedMatrix matrix = hvp::test::random_matrix(30, 8, 12, random);
   const auto b = hvp::test::random_words(matrix.rows(), 30000, 7);
-  Pair pair(engine_thesis);
+  Pair pair(kEngineThesis);
   pair.load(matrix, settings);
   pair.both.rtl().write_b(b);
   auto other = b;
@@ -91,7 +91,7 @@ std::string refused_architecture(const std::function<void(accel::Architecture&)>
   accel::Architecture a;
   change(a);
   try {
-    require_fitting(engine_thesis, a);
+    require_fitting(kEngineThesis, a);
   } catch (const InputError& e) {
     return e.key();
   }
@@ -102,7 +102,7 @@ std::string refused_settings(const std::function<void(Settings&)>& change) {
   Settings s;
   change(s);
   try {
-    require_fitting(engine_thesis, s);
+    require_fitting(kEngineThesis, s);
   } catch (const InputError& e) {
     return e.key();
   }

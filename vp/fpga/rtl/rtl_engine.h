@@ -18,7 +18,7 @@
 namespace hvp::vp::rtl {
 
 // The size that engine.sv has been translated in for scenarios.
-extern const EngineSize engine_thesis;
+extern const EngineSize kEngineThesis;
 
 // Throws InputError if engine.sv of this size is not the engine of such an architecture, or does
 // not solve by such settings; with the key of accel::Architecture or fixed::Settings.
