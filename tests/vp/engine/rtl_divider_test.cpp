@@ -1,15 +1,11 @@
 // coefficient_divider.sv against fixed::ratio: whole systems seldom come to a tie.
 #include <cstdint>
-#include <memory>
 
 #include <gtest/gtest.h>
 
-// Verilator's headers take SystemC's clock for theirs and expect its name here.
-#include <systemc>
-using sc_core::sc_time_stamp;
-
+#include "tests/vp/engine/clocked_module.h"
+// Behind it, as it has what Verilator's headers expect.
 #include <Vcoefficient_divider.h>
-#include <verilated.h>
 
 #include "models/fixed/word.h"
 #include "tests/fixed/elastic_box.h"
@@ -24,46 +20,20 @@ constexpr int kMostClocks = 6 + (kScalarBits - 1) / 8 + 7 + kMantissaBits;
 
 class Divider {
  public:
-  Divider() : context_(std::make_unique<VerilatedContext>()), top_(context_.get()) {
-    top_.clock = 0;
-    top_.eval();
-    top_.reset = 1;
-    tick();
-    top_.reset = 0;
-  }
-  ~Divider() { top_.final(); }
-  Divider(const Divider&) = delete;
-  Divider& operator=(const Divider&) = delete;
-
   fixed::Coefficient ratio(std::uint64_t numerator, std::uint64_t denominator,
                            fixed::Rounding rounding) {
-    top_.rounding = static_cast<std::uint8_t>(rounding);
-    top_.numerator = numerator;
-    top_.denominator = denominator;
-    top_.start = 1;
-    tick();
-    top_.start = 0;
-    clocks = 0;
-    while (top_.done == 0 && clocks < 200) {
-      tick();
-      ++clocks;
-    }
-    return {static_cast<std::int32_t>(top_.mantissa),
-            static_cast<std::int32_t>(top_.exponent << 10U) >> 10};
+    module_->rounding = static_cast<std::uint8_t>(rounding);
+    module_->numerator = numerator;
+    module_->denominator = denominator;
+    clocks = module_.run();
+    return {static_cast<std::int32_t>(module_->mantissa),
+            static_cast<std::int32_t>(module_->exponent << 10U) >> 10};
   }
 
   int clocks = 0;  // of the last one
 
  private:
-  void tick() {
-    top_.clock = 0;
-    top_.eval();
-    top_.clock = 1;
-    top_.eval();
-  }
-
-  std::unique_ptr<VerilatedContext> context_;
-  Vcoefficient_divider top_;
+  test::ClockedModule<Vcoefficient_divider> module_;
 };
 
 void expect_same(Divider& divider, std::uint64_t numerator, std::uint64_t denominator) {

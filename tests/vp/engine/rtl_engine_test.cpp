@@ -33,7 +33,8 @@ Settings random_settings(const EngineSize& size, Random& random) {
   s.static_shift = std::min(15, size.matrix_bits - 3 + random.below(4));
   s.dynamic_scaling = random.below(4) != 0;
   s.scaling_down = s.dynamic_scaling || random.below(2) != 0;
-  s.scaling_threshold = 1 + random.below(3);
+  // With a high threshold, d is not scaled up again and becomes zero where r is not.
+  s.scaling_threshold = 1 + random.below(random.below(4) == 0 ? 16 : 3);
   s.scaling_step = 1 + random.below(3);
   if (fixed::shortest_division(s) > size.division_clocks) s.scaling_step = 1;
   s.headroom_bits = random.below(4);

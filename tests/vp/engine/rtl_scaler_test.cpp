@@ -1,16 +1,12 @@
 // scaler.sv against fixed::ReferenceMachine::rescaling: whole systems seldom come to where a bit
 // that was cut decides.
 #include <cstdint>
-#include <memory>
 
 #include <gtest/gtest.h>
 
-// Verilator's headers take SystemC's clock for theirs and expect its name here.
-#include <systemc>
-using sc_core::sc_time_stamp;
-
+#include "tests/vp/engine/clocked_module.h"
+// Behind it, as it has what Verilator's headers expect.
 #include <Vscaler.h>
-#include <verilated.h>
 
 #include "models/fixed/reference_machine.h"
 #include "tests/fixed/elastic_box.h"
@@ -36,52 +32,26 @@ struct Case {
 
 class Scaler {
  public:
-  Scaler() : context_(std::make_unique<VerilatedContext>()), top_(context_.get()) {
-    top_.clock = 0;
-    top_.eval();
-    top_.reset = 1;
-    tick();
-    top_.reset = 0;
-  }
-  ~Scaler() { top_.final(); }
-  Scaler(const Scaler&) = delete;
-  Scaler& operator=(const Scaler&) = delete;
-
   int up(const Case& c, const fixed::Settings& s) {
-    top_.first = static_cast<std::uint16_t>(c.first);
-    top_.first_exponent = static_cast<std::uint32_t>(c.first_exponent) & kExponentMask;
-    top_.mantissa = static_cast<std::uint16_t>(c.mantissa);
-    top_.largest = c.largest;
-    top_.second_exponent = static_cast<std::uint32_t>(c.second_exponent) & kExponentMask;
-    top_.dynamic_scaling = s.dynamic_scaling ? 1 : 0;
-    top_.scaling_down = s.scaling_down ? 1 : 0;
-    top_.target = static_cast<std::uint8_t>(kAvailable - s.headroom_bits);
-    top_.available = kAvailable;
-    top_.threshold = static_cast<std::uint8_t>(s.scaling_threshold);
-    top_.step = static_cast<std::uint8_t>(s.scaling_step);
-    top_.start = 1;
-    tick();
-    top_.start = 0;
-    clocks = 0;
-    while (top_.done == 0 && clocks < 100) {
-      tick();
-      ++clocks;
-    }
-    return static_cast<std::int32_t>(top_.up << 10U) >> 10;
+    module_->first = static_cast<std::uint16_t>(c.first);
+    module_->first_exponent = static_cast<std::uint32_t>(c.first_exponent) & kExponentMask;
+    module_->mantissa = static_cast<std::uint16_t>(c.mantissa);
+    module_->largest = c.largest;
+    module_->second_exponent = static_cast<std::uint32_t>(c.second_exponent) & kExponentMask;
+    module_->dynamic_scaling = s.dynamic_scaling ? 1 : 0;
+    module_->scaling_down = s.scaling_down ? 1 : 0;
+    module_->target = static_cast<std::uint8_t>(kAvailable - s.headroom_bits);
+    module_->available = kAvailable;
+    module_->threshold = static_cast<std::uint8_t>(s.scaling_threshold);
+    module_->step = static_cast<std::uint8_t>(s.scaling_step);
+    clocks = module_.run();
+    return static_cast<std::int32_t>(module_->up << 10U) >> 10;
   }
 
   int clocks = 0;  // of the last one
 
  private:
-  void tick() {
-    top_.clock = 0;
-    top_.eval();
-    top_.clock = 1;
-    top_.eval();
-  }
-
-  std::unique_ptr<VerilatedContext> context_;
-  Vscaler top_;
+  test::ClockedModule<Vscaler> module_;
 };
 
 int expected(const Case& c, const fixed::Settings& s) {
