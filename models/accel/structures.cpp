@@ -29,10 +29,11 @@ class Engine {
   }
 
  private:
+  // The editor reads a package while it writes another one back.
   void matrix() {
     all_.push_back({"matrix", Role::matrix, std::int64_t{a_.partitions} * a_.rows_in_parallel,
                     s_.packages * ceil_div(3, a_.rows_in_parallel),
-                    std::int64_t{a_.package} * w_.matrix_bits, Access::stream});
+                    std::int64_t{a_.package} * w_.matrix_bits, Access::read_write});
   }
 
   // The nodes of a package's columns, which component the first one is of, and the row they belong

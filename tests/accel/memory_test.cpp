@@ -56,6 +56,32 @@ TEST(Blocks, ThreeM4kAreTheBasicUnit) {
   EXPECT_EQ(blocks("M4K", {"", Role::matrix, 1, 4097, 1, Access::stream}), 2);
 }
 
+// The matrix editor reads a package and writes another one in the same clock. Both ports that read
+// half a package each leave it none; one that reads and one that writes take as many blocks, but
+// where a block reads its widest word from either port.
+TEST(Blocks, AMatrixThatIsChangedTakesNoMore) {
+  int types = 0;
+  for (const Device* d : devices::all_built_in()) {
+    for (const MemoryType& type : d->memories) {
+      if (type.two_port_bits == type.read_write_bits) continue;
+      ++types;
+      for (const bool parity_bits : {false, true}) {
+        Architecture a;
+        a.parity_bits = parity_bits;
+        for (std::int64_t packages = 1; packages < 4000; packages = packages * 4 / 3 + 1) {
+          for (const std::int64_t width : {64, 96, 120, 192, 256}) {
+            Structure matrix{"", Role::matrix, 1, packages, width, Access::read_write};
+            const std::int64_t changed = blocks_of(type, matrix, a);
+            matrix.access = Access::stream;
+            EXPECT_EQ(changed, blocks_of(type, matrix, a)) << d->name << ' ' << type.name;
+          }
+        }
+      }
+    }
+  }
+  EXPECT_GT(types, 20);
+}
+
 // A fewest-blocks rule can only gain from what a structure asks less for.
 TEST(Blocks, AskingForLessNeverTakesMore) {
   for (const char* type : {"M512", "M4K", "M-RAM"}) {
