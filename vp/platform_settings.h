@@ -16,6 +16,7 @@
 #include "vp/bus/bus_settings.h"
 #include "vp/fault/fault_plan.h"
 #include "vp/fidelity.h"
+#include "vp/fpga/engine_port_sink.h"
 #include "vp/frame/frame.h"
 #include "vp/function/pci_function.h"
 #include "vp/host/transfer.h"
@@ -74,6 +75,12 @@ struct WaveformWindow {
   std::int64_t frames = 1;
 };
 
+// What the host does to the port of the engine in SystemVerilog, of so many frames from the first.
+struct EnginePortRecord {
+  EnginePortSink write;
+  std::int64_t frames = 1;
+};
+
 // The platform's settings: the scenario's tables, and what follows from the rest of the scenario.
 struct PlatformSettings : SystemSettings {
   PlatformSettings() = default;
@@ -83,6 +90,7 @@ struct PlatformSettings : SystemSettings {
   Picoseconds budget = 2'000'000'000;
   fixed::Settings solver;  // the board's settings
   std::optional<WaveformWindow> waveform;
+  std::optional<EnginePortRecord> engine_port;
   // Of a host in another program, which stands still at random for up to this time, s; none: it
   // goes on at once.
   std::optional<double> longest_stall_s;

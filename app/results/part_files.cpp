@@ -19,7 +19,8 @@ namespace hvp::results {
 
 namespace {
 
-// A run has frames.csv, trace.json, registers.log, engine.vcd, and one file that is written at
+// A run has frames.csv, trace.json, registers.log, engine.vcd,
+// engine-port.txt, and one file that is written at
 // once.
 constexpr std::size_t kMost = 16;
 std::array<std::atomic<const char*>, kMost> names{};

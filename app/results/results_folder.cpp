@@ -36,7 +36,7 @@ constexpr std::array kResultNames = {
     std::string_view("engine.vcd"),      std::string_view("engine.part.vcd"),
     std::string_view("registers.vcd"),   std::string_view("registers.part.vcd"),
     std::string_view("jobs.hvpf"),       std::string_view("jobs.hvpu"),
-    std::string_view("dma.log")};
+    std::string_view("dma.log"),         std::string_view("engine-port.txt")};
 
 [[noreturn]] void refuse(std::string_view option, const fs::path& folder, std::string_view why) {
   throw InputError(fmt::format("{} {}: {}", option, folder.string(), why));

@@ -272,9 +272,18 @@ results::Outcome simulate(Scene& scene, const RunOptions& options) {
 
   std::optional<results::WaveformFile> waveform;
   if (s.output.waveform) waveform.emplace(directory, "engine");
-  vp::Platform platform(
-      platform_settings(scene, waveform ? waveform->tracer_file() : std::string()), body_of(scene),
-      registers ? &*registers : nullptr);
+  vp::PlatformSettings settings =
+      platform_settings(scene, waveform ? waveform->tracer_file() : std::string());
+  std::optional<results::PartStream> port;
+  if (s.output.engine_port) {
+    port.emplace(directory / "engine-port.txt");
+    settings.engine_port = {
+        [&port](char what, std::uint32_t first, std::uint32_t second, std::uint32_t third) {
+          port->write(fmt::format("{} {:x} {:x} {:x}\n", what, first, second, third));
+        },
+        s.output.engine_port->frames};
+  }
+  vp::Platform platform(settings, body_of(scene), registers ? &*registers : nullptr);
   if (registers && platform.board() != nullptr) registers->watch(*platform.board());
   std::optional<results::JobRecord> jobs;
   if (options.record_jobs) {
@@ -344,6 +353,7 @@ results::Outcome simulate(Scene& scene, const RunOptions& options) {
   if (deformation) deformation->finish();
   platform.close_waveform();
   if (waveform) waveform->finish();
+  if (port) port->finish();
   results::Outcome outcome =
       outcome_of(platform, scene, latency, *contact,
                  accuracy ? std::optional(accuracy->accuracy()) : std::nullopt);

@@ -100,6 +100,18 @@ void Output::declare(config::Visitor& v) {
              {"fidelity.accelerator",
               {"cycle-accurate"},
               "only a cycle-accurate accelerator has clocks to show"}}});
+  v.effect(
+      "engine_port", engine_port,
+      {"engine-port.txt: what the host does to the port of the engine in SystemVerilog, and what "
+       "comes back, for a testbench of one's own",
+       "no simulated time; a line for each word that is written to the engine",
+       {config::need_board(),
+        {"fidelity.accelerator", {"rtl"}, "only the engine in SystemVerilog has such a port"}}});
+}
+
+void EnginePortSettings::declare(config::Visitor& v) {
+  v.integer("frames", frames, {1, 100'000'000},
+            {"how many frames are recorded, from the first", "a load and a solve"});
 }
 
 void WaveformSettings::declare(config::Visitor& v) {

@@ -89,6 +89,13 @@ struct WaveformSettings {
   void declare(config::Visitor& v);
 };
 
+// [output.engine_port]: records the port of the engine in SystemVerilog in engine-port.txt.
+struct EnginePortSettings {
+  int frames = 1;
+
+  void declare(config::Visitor& v);
+};
+
 // [output]
 struct Output {
   int deformation_every_frames = 25;
@@ -97,6 +104,7 @@ struct Output {
   bool pictures = true;
   bool remedies = true;
   std::optional<WaveformSettings> waveform;
+  std::optional<EnginePortSettings> engine_port;
 
   void declare(config::Visitor& v);
 };

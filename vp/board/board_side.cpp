@@ -81,6 +81,7 @@ void BoardAssembly::connect(BusAssembly& buses, InterruptIf& host,
   if (!messages || messages_enabled) accelerator_.interrupt.bind(line);
   if (messages_enabled) accelerator_.messages_if(std::move(messages_enabled));
   if (settings_.waveform) trace();
+  if (settings_.engine_port) record_port();
 }
 
 // Faults sit between the board and what it is attached to.
@@ -109,6 +110,15 @@ void BoardAssembly::trace() {
       "waveform", *accelerator_.engine(), waveform.file,
       engine::TraceWindow{[this] { return accelerator_.frame(); }, waveform.first_frame,
                           waveform.first_frame + waveform.frames - 1});
+}
+
+void BoardAssembly::record_port() {
+  accelerator_.record_port(
+      [this](char what, std::uint32_t first, std::uint32_t second, std::uint32_t third) {
+        if (accelerator_.frame() < settings_.engine_port->frames) {
+          settings_.engine_port->write(what, first, second, third);
+        }
+      });
 }
 
 namespace {

@@ -99,6 +99,7 @@ class BoardAssembly {
 
  private:
   void trace();
+  void record_port();
 
   const PlatformSettings& settings_;
   Accelerator accelerator_;

@@ -88,6 +88,8 @@ class Accelerator : public sc_core::sc_module, private ListOwner {
   std::int64_t breakdowns() const { return breakdowns_; }
   // The cycle-accurate engine; null at other levels.
   const engine::CycleEngine* engine() const { return timing_->engine(); }
+  // From now on; only the level rtl has such a port.
+  void record_port(EnginePortSink record) { timing_->record_port(std::move(record)); }
   // The frame whose job or update was commanded last, -1 before the first.
   std::int64_t frame() const { return frame_; }
   // The finished job that took most clocks, at the levels with an engine.

@@ -12,6 +12,7 @@
 #include "models/fixed/solver.h"
 #include "vp/fidelity.h"
 #include "vp/fpga/engine/cycle_engine.h"
+#include "vp/fpga/engine_port_sink.h"
 
 namespace hvp::vp {
 
@@ -60,6 +61,9 @@ class JobTiming {
   virtual bool confirms(std::span<const std::int32_t> /*solution*/) { return true; }
   // The next extrapolated start has no solution before x.
   virtual void forget_previous() {}
+
+  // Other levels than rtl have no such port.
+  virtual void record_port(EnginePortSink /*record*/) {}
 
   // The cycle-accurate engine; null at other levels.
   virtual const engine::CycleEngine* engine() const { return nullptr; }

@@ -43,6 +43,39 @@ std::vector<std::string> with_waveform(const std::string& first, const std::stri
           "output.waveform.frames=" + frames};
 }
 
+#ifdef HVP_ENGINE_TESTBENCH
+// A simulator that knows the port's record alone comes to the same clocks and words.
+TEST_F(Engine, ATestbenchReplaysThePort) {
+  const auto replayed = [this](const std::string& record) {
+    write(place() / "port.txt", record);
+    const std::string command = std::string(HVP_ENGINE_TESTBENCH) +
+                                " +port=" + (place() / "port.txt").string() + " > " +
+                                (place() / "told").string() + " 2>&1";
+    const int status = std::system(command.c_str());
+    return std::pair(status, read(place() / "told"));
+  };
+  run("rtl", {"--set", "output.engine_port.frames=8"});
+  const std::string record = file("engine-port.txt");
+  for (const char* kind : {"\ns ", "\nc ", "\ne ", "\nx ", "\nw "}) {
+    EXPECT_THAT(record, HasSubstr(kind));
+  }
+  const auto [status, told] = replayed(record);
+  EXPECT_EQ(status, 0) << told;
+  EXPECT_THAT(told, HasSubstr(" values compared, 0 of them different"));
+  // One word of x.
+  std::string other = record;
+  const std::size_t at = other.rfind("\nx ");
+  const std::size_t word = other.find(' ', at + 3) + 1;
+  other[word] = other[word] == '1' ? '2' : '1';
+  const auto [fails, says] = replayed(other);
+  EXPECT_NE(fails, 0);
+  EXPECT_THAT(says, HasSubstr("a word of x is "));
+  EXPECT_THAT(says, HasSubstr(" 1 of them different"));
+  // A file that ends within a line.
+  EXPECT_THAT(replayed("w 0 1").second, HasSubstr("line 1: a letter and three numbers"));
+}
+#endif
+
 TEST_F(Engine, PhasesOfTheLongestSolveSumToItsClocks) {
   for (const char* level : {"approximately-timed", "cycle-accurate"}) {
     SCOPED_TRACE(level);

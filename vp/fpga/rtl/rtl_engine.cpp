@@ -38,7 +38,21 @@ void RtlEngine::reset() {
   for (int i = 0; i < 3; ++i) model_->tick();
 }
 
-void RtlEngine::abort() { reset(); }
+void RtlEngine::abort() {
+  tell('a', idle() ? 0 : clocks_);
+  reset();
+}
+
+void RtlEngine::tell(char what, std::int64_t first, std::int64_t second, std::int64_t third) const {
+  if (!record) return;
+  record(what, static_cast<std::uint32_t>(first), static_cast<std::uint32_t>(second),
+         static_cast<std::uint32_t>(third));
+}
+
+// Once the solve is over.
+void RtlEngine::record_solve() {
+  if (idle()) tell('s', clocks_, ports_.iterations_made, ports_.clamped);
+}
 
 void RtlEngine::write(Space space, std::uint32_t address, std::int64_t word) {
   ports_.host_write = true;
@@ -47,6 +61,7 @@ void RtlEngine::write(Space space, std::uint32_t address, std::int64_t word) {
   ports_.host_word = static_cast<std::uint32_t>(word);
   model_->tick();
   ports_.host_write = false;
+  tell('w', static_cast<int>(space), address, word);
 }
 
 void RtlEngine::load(const fixed::QuantisedMatrix& matrix, const fixed::Settings& settings) {
@@ -133,6 +148,7 @@ std::int64_t RtlEngine::edit(int node, bool restores, std::int32_t diagonal) {
     model_->tick();
     if (++clocks == kHangs) throw std::logic_error("the RTL engine's matrix editor has no end");
   }
+  tell('e', clocks);
   return clocks;
 }
 
@@ -176,6 +192,7 @@ void RtlEngine::read_x(std::span<std::int32_t> words) {
       ports_.host_address = static_cast<std::uint32_t>(node << 2U | c);
       model_->settle();
       words[3 * node + c] = ports_.host_read;
+      tell('x', ports_.host_address, ports_.host_read);
     }
   }
 }
@@ -184,6 +201,7 @@ void RtlEngine::forget_previous() {
   ports_.forget_previous = true;
   model_->tick();
   ports_.forget_previous = false;
+  tell('f', 0);
 }
 
 void RtlEngine::copy_x() {
@@ -195,6 +213,7 @@ void RtlEngine::copy_x() {
     model_->tick();
     if (++copy_clocks_ == kHangs) throw std::logic_error("the RTL engine's copy of x has no end");
   }
+  tell('c', copy_clocks_);
 }
 
 void RtlEngine::set_all(const fixed::Settings& s) {
@@ -226,12 +245,14 @@ void RtlEngine::start_solve(const fixed::Settings& settings) {
   ports_.go = true;
   model_->tick();
   ports_.go = false;
+  record_solve();
 }
 
 void RtlEngine::solve_clock() {
   ++state_clocks_[at(ports_.state)];
   model_->tick();
   if (++clocks_ == kHangs) throw std::logic_error("the RTL engine's solve has no end");
+  record_solve();
 }
 
 bool RtlEngine::run_iteration() {

@@ -2,7 +2,6 @@
 
 #include <array>
 #include <cstdint>
-#include <functional>
 #include <memory>
 #include <span>
 #include <vector>
@@ -13,6 +12,7 @@
 #include "models/fixed/solver.h"
 #include "vp/fpga/engine/layout.h"
 #include "vp/fpga/engine/sequencer.h"
+#include "vp/fpga/engine_port_sink.h"
 #include "vp/fpga/rtl/engine_model.h"
 
 namespace hvp::vp::rtl {
@@ -63,6 +63,8 @@ class RtlEngine {
   const engine::StateClocks& state_clocks() const { return state_clocks_; }
   // What the hardware knows of the last solve.
   fixed::Report report() const;
+  EnginePortSink record;
+
   const EnginePorts& ports() const { return ports_; }
   const EngineSize& size() const { return size_; }
   const fixed::Settings& settings() const { return settings_; }
@@ -78,6 +80,8 @@ class RtlEngine {
   void set_all(const fixed::Settings& settings);
   void reset();
   void solve_clock();
+  void record_solve();
+  void tell(char what, std::int64_t first, std::int64_t second = 0, std::int64_t third = 0) const;
 
   const EngineSize& size_;
   accel::Architecture architecture_;

@@ -1,0 +1,180 @@
+// Replays what a run's host has written to the engine's port, and compares every clock count and
+// word that comes back with those of the run: [output.engine_port] writes the file. For a simulator
+// of one's own, and for the engine behind a synthesis; docs/rtl.md.
+//   +port=FILE   the record
+// A line of it is a letter and three hexadecimal numbers:
+//   w space address word    a write
+//   s clocks iterations clamped    a solve, and what it comes to
+//   a clocks 0 0            a solve that is aborted after so many clocks, or a reset of an idle engine
+//   e clocks 0 0            an order of the matrix editor
+//   c clocks 0 0            x into the copies of d
+//   f 0 0 0                 the next extrapolated start has no solution before x
+//   x address word 0        a word of x that is read
+`default_nettype none
+
+module engine_testbench;
+  import engine_types::*;
+
+  logic clock;
+  initial begin
+    clock = 1'b0;
+    forever #5 clock = !clock;
+  end
+
+  logic reset = 1'b0, host_write = 1'b0, go = 1'b0, copy = 1'b0, edit = 1'b0, forget = 1'b0;
+  space_t host_space = SpaceSettings;
+  logic [31:0] host_address = '0, host_word = '0;
+  wire [31:0] host_read, clamped;
+  wire [15:0] iterations;
+  wire [3:0] state_number;
+  wire editing;
+  // verilator lint_off PINCONNECTEMPTY
+  engine dut (
+      .clock,
+      .reset,
+      .host_write,
+      .host_space,
+      .host_address,
+      .host_word,
+      .host_read,
+      .go,
+      .copy,
+      .edit,
+      .forget_previous(forget),
+      .state_number,
+      .editing,
+      .finished(),
+      .iteration_made(),
+      .breakdown(),
+      .reached(),
+      .scalar_overflow(),
+      .iterations_made(iterations),
+      .replacements(),
+      .clamped,
+      .alpha(),
+      .alpha_exponent(),
+      .beta(),
+      .beta_exponent(),
+      .r_exponent(),
+      .d_exponent(),
+      .r_r(),
+      .d_q()
+  );
+  // verilator lint_on PINCONNECTEMPTY
+
+  // Inputs change at the falling edge, and outputs are read there.
+  task automatic tick();
+    @(negedge clock);
+  endtask
+
+  int line = 0;
+  int compared = 0;
+  int different = 0;
+  task automatic expect_equal(input string what, input logic [31:0] found,
+                              input logic [31:0] expected);
+    ++compared;
+    if (found !== expected) begin
+      ++different;
+      if (different == 1) begin
+        $display("line %0d: %s is %h, the run has %h", line, what, found, expected);
+      end
+    end
+  endtask
+
+  // Clocks until neither a solve nor an edit runs.
+  task automatic run(output logic [31:0] clocks);
+    clocks = '0;
+    while (state_number != InIdle || editing) begin
+      tick();
+      ++clocks;
+    end
+  endtask
+
+  string path;
+  byte letter;
+  logic [31:0] first, second, third, clocks;
+  initial begin
+    int file;
+    int fields;
+    if ($value$plusargs("port=%s", path) == 0) $fatal(1, "+port=FILE was expected");
+    file = $fopen(path, "r");
+    if (file == 0) $fatal(1, "%s cannot be read", path);
+    tick();
+    reset = 1'b1;
+    tick();
+    tick();
+    reset = 1'b0;
+    repeat (3) tick();
+    forever begin
+      fields = $fscanf(file, "%c %h %h %h\n", letter, first, second, third);
+      if (fields != 4) break;
+      ++line;
+      case (letter)
+        "w": begin
+          host_write = 1'b1;
+          host_space = space_t'(first[3:0]);
+          host_address = second;
+          host_word = third;
+          tick();
+          host_write = 1'b0;
+        end
+        "s": begin
+          go = 1'b1;
+          tick();
+          go = 1'b0;
+          run(clocks);
+          expect_equal("a solve's number of clocks", clocks, first);
+          expect_equal("a solve's number of iterations", 32'(iterations), second);
+          expect_equal("the number of clamped words", clamped, third);
+        end
+        "a": begin
+          if (first != '0) begin
+            go = 1'b1;
+            tick();
+            go = 1'b0;
+            repeat (int'(first)) tick();
+          end
+          reset = 1'b1;
+          tick();
+          tick();
+          reset = 1'b0;
+          repeat (3) tick();
+        end
+        "e": begin
+          repeat (3) tick();
+          edit = 1'b1;
+          tick();
+          edit = 1'b0;
+          run(clocks);
+          expect_equal("an edit's number of clocks", clocks, first);
+        end
+        "c": begin
+          copy = 1'b1;
+          tick();
+          copy = 1'b0;
+          run(clocks);
+          expect_equal("a copy's number of clocks", clocks, first);
+        end
+        "f": begin
+          forget = 1'b1;
+          tick();
+          forget = 1'b0;
+        end
+        "x": begin
+          host_address = first;
+          repeat (3) tick();
+          expect_equal("a word of x", host_read, second);
+        end
+        default: $fatal(1, "line %0d: no letter that is known", line);
+      endcase
+    end
+    if (fields > 0 || $feof(file) == 0) $fatal(1, "line %0d: a letter and three numbers were expected", line + 1);
+    $display("%0d lines, %0d values compared, %0d of them different", line, compared, different);
+    if (different != 0) $fatal(1, "the engine is not that of the run");
+    if (compared == 0) $fatal(1, "nothing was compared");
+    $finish;
+  end
+
+endmodule
+
+`default_nettype wire
