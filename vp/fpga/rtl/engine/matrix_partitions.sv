@@ -114,8 +114,9 @@ module matrix_partitions
     assign rows[1] = here && host_space == SpaceMatrix && host_address[15:14] == 2'd1;
     assign rows[2] = here && host_space == SpaceMatrix && host_address[15:14] == 2'd2;
     logic [PackageBits:0] packages;
+    wire packages_write = here && host_space == SpacePackages;
     always_ff @(posedge clock) begin
-      if (here && host_space == SpacePackages) packages <= host_word[PackageBits:0];
+      if (packages_write) packages <= host_word[PackageBits:0];
     end
     spmxv_partition #(
         .Package(Package),
@@ -136,6 +137,7 @@ module matrix_partitions
         .index_write_package(host_address[PackageBits-1:0]),
         .index_write_word(index_word),
         .packages,
+        .packages_write,
         .edits(editing),
         .edited_package(read_package),
         .matrix_words(matrix_words[p]),

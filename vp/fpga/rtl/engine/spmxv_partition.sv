@@ -35,6 +35,7 @@ module spmxv_partition #(
     input wire [PackageBits-1:0] index_write_package,
     input wire [IndexBits-1:0] index_write_word,
     input wire [PackageBits:0] packages,
+    input wire packages_write,  // their number is another one with the next edge
     // The editor's port: package and index word come two clocks later.
     input wire edits,
     input wire [PackageBits-1:0] edited_package,
@@ -64,22 +65,37 @@ module spmxv_partition #(
   localparam int Pairs = (Package + 1) / 2;
   localparam int Fours = (Package + 3) / 4;
 
-  // ---- Issue. The index memory is read ahead: its output register has the package's word.
-  logic [IndexBits-1:0] index[2**PackageBits];
-  logic [IndexBits-1:0] head;
+  // ---- Issue.
+  wire [IndexBits-1:0] head, edited_index;
+  wire there, ends;
   logic busy;
   logic [PackageBits-1:0] position;
   logic [QueueBits:0] issued;
   wire head_last = head[IndexBits-1];
   wire running = busy || (start && packages != '0);
   wire [QueueBits:0] waiting = issued - taken;
-  wire issue = running && !(head_last && waiting[QueueBits]);
-  wire ends = (PackageBits + 1)'(position) + 1'b1 == packages;
-  wire [PackageBits-1:0] next_position = !issue ? position : ends ? '0 : position + 1'b1;
+  wire issue = running && there && !(head_last && waiting[QueueBits]);
+  index_prefetch #(
+      .Bits(IndexBits),
+      .PackageBits(PackageBits)
+  ) index (
+      .clock,
+      .reset,
+      .write(index_write),
+      .write_package(index_write_package),
+      .write_word(index_write_word),
+      .packages,
+      .restarts(packages_write),
+      .pauses(edits),
+      .paused_package(edited_package),
+      .paused_word(edited_index),
+      .takes(issue),
+      .there,
+      .word(head),
+      .ends
+  );
   always_ff @(posedge clock) begin
-    if (index_write) index[index_write_package] <= index_write_word;
-    head <= index[edits?edited_package : next_position];
-    position <= next_position;
+    if (issue) position <= ends ? '0 : position + 1'b1;
     busy <= running && !(issue && ends);
     if (issue && head_last) issued <= issued + 1'b1;
     if (reset) begin
@@ -88,6 +104,12 @@ module spmxv_partition #(
       issued <= '0;
     end
   end
+`ifndef SYNTHESIS
+  // A product does not wait for its index words, or it would take more clocks.
+  always_ff @(posedge clock) begin
+    if (running && !there && !reset) $error("a product finds no index word");
+  end
+`endif
 
   // ---- Ranks 0 and 1: the memories.
   logic issued0, issued1;
@@ -98,7 +120,7 @@ module spmxv_partition #(
   always_ff @(posedge clock) begin
     issued0 <= issue && !reset;
     package0 <= edits ? edited_package : position;
-    index0 <= head;
+    index0 <= edits ? edited_index : head;
     issued1 <= issued0 && !reset;
     index1 <= index0;
   end
