@@ -1,0 +1,129 @@
+// What is proved of row_collector.sv, the arbiter of finished rows (prove.py).
+`default_nettype none
+
+module row_collector_properties #(
+    parameter int Partitions = 5,
+    parameter int Lanes = 2,
+    parameter int NodeBits = 1,
+    parameter int CountBits = 2,
+    parameter int SumBits = 1,
+    parameter int VectorBits = 1,
+    localparam int IndexBits = Partitions > 1 ? $clog2(Partitions) : 1,
+    localparam int WaitBits = IndexBits + 2
+) (
+    input wire clock,
+    input wire reset,
+    input wire collects,
+    input wire [Partitions-1:0][CountBits-1:0] finished,
+    input wire [Partitions-1:0][CountBits-1:0] taken,
+    input wire [Partitions-1:0][NodeBits-1:0] node,
+    input wire [Partitions-1:0][2:0][SumBits-1:0] sum,
+    input wire [Partitions-1:0][2:0][VectorBits-1:0] own,
+    input wire [Lanes-1:0] row_valid,
+    input wire [Lanes-1:0][NodeBits-1:0] row_node,
+    input wire [Lanes-1:0][2:0][SumBits-1:0] row_sum,
+    input wire [Lanes-1:0][2:0][VectorBits-1:0] row_own,
+    // Inside.
+    input wire [IndexBits-1:0] first,
+    input wire [Lanes-1:0] takes,
+    input wire [Lanes-1:0][IndexBits-1:0] from,
+    input wire [Partitions-1:0] gives
+);
+
+  // From the first clock on: there is a reset before anything counts.
+  logic past = 1'b0, after_reset = 1'b0;
+  always_ff @(posedge clock) begin
+    past <= 1'b1;
+    after_reset <= past || reset;
+  end
+  always_comb if (!past) assume (reset);
+
+  logic [Partitions-1:0] has_row;
+  logic [Lanes-1:0][Partitions-1:0] of_lane;  // the rows for each memory of q
+  always_comb begin
+    for (int p = 0; p < Partitions; ++p) begin
+      has_row[p] = collects && finished[p] != taken[p];
+      for (int l = 0; l < Lanes; ++l) of_lane[l][p] = has_row[p] && int'(node[p]) % Lanes == l;
+    end
+  end
+
+  // ---- At every clock.
+  always_comb if (after_reset) begin
+    assert (int'(first) < Partitions);
+    assert ((gives & ~has_row) == '0);  // nobody gives what he does not have
+    assert ($countones(gives) <= Lanes);
+    for (int l = 0; l < Lanes; ++l) begin
+      // One a memory of q, and one wherever there is any.
+      assert ($countones(gives & of_lane[l]) == (|of_lane[l] ? 1 : 0));
+      assert (takes[l] == |of_lane[l]);
+      if (takes[l]) assert (gives[from[l]] && of_lane[l][from[l]]);
+    end
+  end
+
+  // ---- With the edge: what was given has been taken, once, and goes to its lane as it was.
+  logic was_reset;
+  logic [Partitions-1:0] gave;
+  logic [Partitions-1:0][CountBits-1:0] taken_before;
+  logic [Lanes-1:0] took;
+  logic [Lanes-1:0][NodeBits-1:0] node_before;
+  logic [Lanes-1:0][2:0][SumBits-1:0] sum_before;
+  logic [Lanes-1:0][2:0][VectorBits-1:0] own_before;
+  always_ff @(posedge clock) begin
+    was_reset <= reset;
+    gave <= gives;
+    taken_before <= taken;
+    took <= '0;
+    for (int p = 0; p < Partitions; ++p) begin
+      for (int l = 0; l < Lanes; ++l) begin
+        if (gives[p] && int'(node[p]) % Lanes == l) begin
+          took[l] <= 1'b1;
+          node_before[l] <= node[p];
+          sum_before[l] <= sum[p];
+          own_before[l] <= own[p];
+        end
+      end
+    end
+  end
+  always_comb if (after_reset && past) begin
+    for (int p = 0; p < Partitions; ++p) begin
+      assert (taken[p] == (was_reset ? '0 : taken_before[p] + CountBits'(gave[p])));
+    end
+    for (int l = 0; l < Lanes; ++l) begin
+      assert (row_valid[l] == (took[l] && !was_reset));
+      if (row_valid[l]) begin
+        assert (row_node[l] == node_before[l]);
+        assert (row_sum[l] == sum_before[l]);
+        assert (row_own[l] == own_before[l]);
+      end
+    end
+  end
+
+  // ---- Fairness. At every clock that a partition waits with a row, the one with the next turn is
+  // nearer to it, and who has the turn is served. So the clocks waited and the distance that is left
+  // are fewer than Partitions together.
+  for (genvar p = 0; p < Partitions; ++p) begin : g_waits
+    logic [WaitBits-1:0] waited;
+    wire [WaitBits-1:0] distance =
+        int'(first) <= p ? WaitBits'(p - int'(first)) : WaitBits'(p + Partitions - int'(first));
+    always_ff @(posedge clock) begin
+      waited <= reset || !has_row[p] || gives[p] ? '0 : waited + 1'b1;
+    end
+    always_comb if (after_reset) begin
+      if (has_row[p]) assert (waited + distance < WaitBits'(Partitions));
+      // Where it has no row it has not waited, or the product ended, which does not happen to a row.
+      assert (waited < WaitBits'(Partitions));
+    end
+  end
+
+endmodule
+
+bind row_collector row_collector_properties #(
+    .Partitions(Partitions),
+    .Lanes(Lanes),
+    .NodeBits(NodeBits),
+    .CountBits(CountBits),
+    .SumBits(SumBits),
+    .VectorBits(VectorBits)
+) properties (.*);
+
+`default_nettype wire

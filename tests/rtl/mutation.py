@@ -1,0 +1,200 @@
+"""Mutants of the RTL engine: which of them do the engine's tests notice?
+
+    python tests/rtl/mutation.py --build build/release --count 400
+
+A number of seeded mutants, spread over all modules, are translated at once and run one after the
+other, each by the tests that notice most mutants first. The report says how many were noticed and
+names the survivors. Each of those has to have its reason in survivors.toml: that no test can tell
+it from the original (equivalent), or why none does. Exit status 1 where one has none, or where
+fewer than nine of ten others were noticed.
+"""
+
+import argparse
+import math
+import os
+import random
+import resource
+import subprocess
+import sys
+import tomllib
+from collections import Counter
+from dataclasses import dataclass
+from pathlib import Path
+
+from mutants import Module, Mutant, entry, explanation
+from translation import (
+    ENGINE,
+    NotBuiltError,
+    Variant,
+    build_program,
+    engine_sources,
+    translations,
+)
+
+HERE = Path(__file__).resolve().parent
+REASONS = HERE / "survivors.toml"
+WANTED = 0.9
+# By themselves, before whole engines: modules that have tests of their own.
+MODULES = {"scaler.sv": "RtlScaler.*", "coefficient_divider.sv": "RtlDivider.*"}
+# SystemC elaborates once in a process, so that each of these is one; the first notices most.
+WHOLE = (
+    "Engine/RtlSizes.AgreeOnRandomSystems/narrow",
+    "Engine/RtlSizes.AgreeOnContacts/narrow",
+    "Engine/RtlSizes.AgreeOnRandomSystems/wide",
+    "RtlEngine.AgreesWhereverASolveIsAborted",
+    "Engine/RtlSizes.AgreeOnRandomSystems/thesis",
+    "Engine/RtlSizes.StopAtTheThreshold/narrow",
+    "Engine/RtlSizes.AgreeOnContacts/wide",
+    "Engine/RtlSizes.StopAtTheThreshold/wide",
+    "Engine/RtlSizes.AgreeOnContacts/thesis",
+    "Engine/RtlSizes.StopAtTheThreshold/thesis",
+    "RtlEngine.AgreesOnTheThesisSphere",
+)
+# A test that needs as many times the processor time that it needs without a mutant has no end.
+PATIENCE = 3
+LEAST_SECONDS = 3
+
+
+@dataclass(frozen=True)
+class Outcome:
+    mutant: Mutant
+    noticed_by: str | None
+
+
+def chosen(modules: list[Module], count: int, seed: int) -> dict[str, list[int]]:
+    """Places in each module's mutants: in proportion to how many it has, and a few at least."""
+    draw = random.Random(seed)
+    total = sum(len(module.mutants) for module in modules)
+    places: dict[str, list[int]] = {}
+    for module in modules:
+        there = len(module.mutants)
+        wanted = min(there, max(5, round(count * there / total)))
+        places[module.name] = sorted(draw.sample(range(there), wanted))
+    return places
+
+
+def mutated_program(
+    build: Path, folder: Path, modules: list[Module], places: dict[str, list[int]]
+) -> tuple[Path, list[Mutant]]:
+    """The program with these mutants, the first of which is number 1."""
+    sources = folder / "sources"
+    sources.mkdir(parents=True, exist_ok=True)
+    imported = 'import "DPI-C" function int hvp_selected_mutant();\n'
+    # In an engine the choice is made once. A module by itself asks each time: the tests know the
+    # layout of its class, which has no room for a variable.
+    package = f"package mutants;\n{imported}int selected = hvp_selected_mutant();\nendpackage\n"
+    (sources / "mutants.sv").write_text(package)
+    mutants: list[Mutant] = []
+    for module in modules:
+        numbers = {}
+        for place in places[module.name]:
+            mutants.append(module.mutants[place])
+            numbers[place] = len(mutants)
+        (sources / module.name).write_text(module.with_mutants(numbers, "mutants::selected"))
+        alone = module.with_mutants(numbers, "hvp_selected_mutant()")
+        alone = alone.replace("\n);\n", "\n);\n" + imported, 1)
+        (sources / f"alone_{module.name}").write_text(alone)
+    variant = Variant(folder, (), HERE / "selected_mutant.cpp")
+    files = {}
+    for one in translations(build):
+        names = [path.name for path in engine_sources(one)]
+        if one.is_engine:
+            files[one.name] = [sources / "mutants.sv", *(sources / name for name in names)]
+        else:
+            files[one.name] = [sources / f"alone_{name}" for name in names]
+    return build_program(build, variant, files), mutants
+
+
+class Runner:
+    """Runs tests of the program with one of its mutants."""
+
+    def __init__(self, program: Path) -> None:
+        self._program = program
+        self._seconds: dict[str, float] = {}
+
+    def passes(self, test: str, number: int) -> bool:
+        """With number 0 it has no mutant, and the time it takes is kept."""
+        command = [str(self._program), f"--gtest_filter={test}", "--gtest_fail_fast"]
+        limit = LEAST_SECONDS + math.ceil(PATIENCE * self._seconds.get(test, 100.0))
+        used = resource.getrusage(resource.RUSAGE_CHILDREN).ru_utime
+        done = subprocess.run(
+            ["prlimit", f"--cpu={limit}", *command],
+            check=False,
+            capture_output=True,
+            env={**os.environ, "HVP_MUTANT": str(number)},
+        )
+        if number == 0:
+            self._seconds[test] = resource.getrusage(resource.RUSAGE_CHILDREN).ru_utime - used
+        return done.returncode == 0
+
+    def noticed_by(self, mutant: Mutant, number: int) -> str | None:
+        own = MODULES.get(mutant.file)
+        for test in [own, *WHOLE] if own else WHOLE:
+            if not self.passes(test, number):
+                return test
+        return None
+
+
+def report(outcomes: list[Outcome], reasons: list[dict[str, str]]) -> int:
+    """Prints what became of the mutants; returns the exit status."""
+    noticed = Counter(o.mutant.file for o in outcomes if o.noticed_by)
+    made = Counter(o.mutant.file for o in outcomes)
+    by_test = Counter(o.noticed_by for o in outcomes if o.noticed_by)
+    survivors = [o.mutant for o in outcomes if not o.noticed_by]
+    equivalent = unexplained = 0
+    for mutant in survivors:
+        reason = explanation(mutant, reasons)
+        kind = "without a reason" if reason is None else reason["kind"]
+        equivalent += kind == "equivalent"
+        unexplained += reason is None
+        print(f"survives ({kind}): {mutant}")
+        print(f"    {reason['reason']}" if reason else entry(mutant))
+    print()
+    for file in sorted(made):
+        print(f"{file:26} {noticed[file]:4} of {made[file]:4} noticed")
+    print()
+    for test, count in by_test.most_common():
+        print(f"{count:4} noticed by {test}")
+    killed, others = sum(noticed.values()), len(outcomes) - equivalent
+    print(
+        f"\n{len(outcomes)} mutants: {killed} noticed, {len(survivors)} survive, of which "
+        f"{equivalent} are equivalent and {unexplained} without a reason; of those that are not "
+        f"equivalent {100 * killed / max(others, 1):.1f} % were noticed"
+    )
+    return 1 if unexplained or killed < WANTED * others else 0
+
+
+def main() -> int:
+    parser = argparse.ArgumentParser(description=(__doc__ or "").splitlines()[0])
+    parser.add_argument("--build", type=Path, default=Path("build/release"))
+    parser.add_argument("--keep", type=Path, help="folder of the translation")
+    parser.add_argument("--count", type=int, default=400)
+    parser.add_argument("--seed", type=int, default=1)
+    parser.add_argument("--files", nargs="*", help="only mutants of these")
+    options = parser.parse_args()
+    build = options.build.resolve()
+    folder = (options.keep or build / "mutation").resolve()
+    modules = [Module(path) for path in sorted(ENGINE.glob("*.sv"))]
+    places = chosen(modules, options.count, options.seed)
+    try:
+        program, mutants = mutated_program(build, folder, modules, places)
+    except NotBuiltError as error:
+        print(f"the mutants could not be translated: {error}", file=sys.stderr)
+        return 1
+    runner = Runner(program)
+    for test in (*MODULES.values(), *WHOLE):
+        if not runner.passes(test, 0):
+            print(f"{test} fails without a mutant", file=sys.stderr)
+            return 1
+    reasons = tomllib.loads(REASONS.read_text())["survivor"] if REASONS.exists() else []
+    outcomes = []
+    for number, mutant in enumerate(mutants, 1):
+        if options.files and mutant.file not in options.files:
+            continue
+        outcomes.append(Outcome(mutant, runner.noticed_by(mutant, number)))
+        print(f"{number} {outcomes[-1].noticed_by or 'SURVIVES'}: {mutant}", flush=True)
+    return report(outcomes, reasons)
+
+
+if __name__ == "__main__":
+    sys.exit(main())
