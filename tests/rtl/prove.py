@@ -56,7 +56,14 @@ def arbiter(partitions: int, lanes: int) -> Proof:
 def queue(bits: int) -> Proof:
     sizes = {"QueueBits": bits, "Package": 3, "PackageBits": 2, "NodeBits": 1, "Lanes": 1}
     words = {"MatrixBits": 2, "VectorBits": 2, "SumBits": 9}
-    others = ("double_pumped_memory",)
+    others = (
+        "bank_reads",
+        "direction_bank",
+        "direction_copy",
+        "double_pumped_memory",
+        "dual_port_memory",
+        "index_prefetch",
+    )
     return Proof("spmxv_partition", others, "row_queue_properties", tuple((sizes | words).items()))
 
 

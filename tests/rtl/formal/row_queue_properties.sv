@@ -9,8 +9,9 @@ module row_queue_properties #(
 ) (
     input wire clock,
     input wire reset,
-    input wire running,                 // a product has packages left
+    input wire running,                 // a product has a package left that waits for nothing else
     input wire issue,                   // one enters
+    input wire edits,                   // the matrix editor reads packages
     input wire ends_row,                // it is, or would be, the last of its row
     input wire [QueueBits:0] issued,    // rows whose last package has entered
     input wire [QueueBits:0] finished,  // rows that are in the memory
@@ -27,7 +28,8 @@ module row_queue_properties #(
   wire count_t rows_there = finished - taken;
 
   // ---- What the proof may rely on: a reset before anything counts, and a collector that takes one
-  // row at a clock, and none that is not there (proved of row_collector.sv).
+  // row at a clock, and none that is not there (proved of row_collector.sv). The editor runs while no
+  // product does.
   logic past = 1'b0;
   logic was_reset, was_empty;
   count_t was_taken;
@@ -37,6 +39,7 @@ module row_queue_properties #(
     was_empty <= rows_there == '0;
     was_taken <= taken;
   end
+  always_comb assume (!(edits && issue));
   always_comb begin
     if (!past) assume (reset);
     else if (was_reset) assume (taken == '0);
@@ -89,8 +92,9 @@ bind spmxv_partition row_queue_properties #(
 ) properties (
     .clock,
     .reset,
-    .running,
+    .running(serves && last_turn),
     .issue,
+    .edits,
     .ends_row(head_last),
     .issued,
     .finished,

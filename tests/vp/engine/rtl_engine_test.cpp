@@ -53,6 +53,13 @@ std::string described(const Settings& s) {
          number(s.replace_residual_every) + ", stop " + std::to_string(s.stop_residual);
 }
 
+// Whether the banks of d, or the multipliers, can take more than a clock for a package.
+bool packages_wait(const EngineSize& size) {
+  const int nodes = size.package % 3 == 0 ? size.package / 3 : (size.package + 1) / 3 + 1;
+  const int accesses = size.direction_memory == accel::DirectionMemory::stall ? 2 : 4;
+  return size.rows_in_parallel < 3 || nodes > accesses;
+}
+
 void compare_random_systems(const EngineSize& size, int systems, std::uint64_t seed) {
   Pair pair(size, static_cast<int>(seed));
   Random random(seed);
@@ -95,6 +102,10 @@ void compare_random_systems(const EngineSize& size, int systems, std::uint64_t s
   EXPECT_GT(pair.reached, 0);
   EXPECT_GT(pair.replacements, 0);
   EXPECT_GT(pair.holds, 0);
+  if (size.queue_bits == 1) {
+    EXPECT_GT(pair.queue_stalls, 0);
+  }
+  EXPECT_EQ(pair.bank_stalls > 0, packages_wait(size));
 }
 
 // The stop test at its threshold, and some units of a double beside it.

@@ -28,6 +28,9 @@ inline accel::Architecture architecture_of(const EngineSize& size) {
   a.result_queue = 1 << size.queue_bits;
   a.pipeline_clocks = size.phase_clocks;
   a.division_clocks = size.division_clocks;
+  a.rows_in_parallel = size.rows_in_parallel;
+  a.direction_banks = size.direction_banks;
+  a.direction_memory = size.direction_memory;
   return a;
 }
 
@@ -78,25 +81,27 @@ class Pair {
     reached += report.reached ? 1 : 0;
     replacements += report.replacements;
     queue_stalls = 0;
+    bank_stalls = 0;
     for (int p = 0; p < engine.architecture().partitions; ++p) {
       queue_stalls += engine.block(p).queue_stalls();
+      bank_stalls += engine.block(p).bank_stalls();
     }
   }
   void print(const char* name) const {
     std::printf(
         "%s: %d solves of %d systems, %lld clocks compared; %lld iterations, %d solves with "
         "clamped words, %d breakdowns, %d ended by the stop test, %d residuals formed anew, %d "
-        "holds, %lld clocks of full queues\n",
+        "holds, %lld clocks of full queues, %lld of packages that wait for the banks of d\n",
         name, solves, systems, static_cast<long long>(both.compared_clocks()),
         static_cast<long long>(iterations), clamping, breakdowns, reached, replacements, holds,
-        static_cast<long long>(queue_stalls));
+        static_cast<long long>(queue_stalls), static_cast<long long>(bank_stalls));
   }
 
   engine::CycleEngine engine;
   RtlComparison both;
   int systems = 0, solves = 0, clamping = 0, breakdowns = 0, reached = 0, replacements = 0,
       holds = 0;
-  std::int64_t iterations = 0, queue_stalls = 0;
+  std::int64_t iterations = 0, queue_stalls = 0, bank_stalls = 0;
 };
 
 // Words up to some power of two, the most negative word among them.

@@ -3,6 +3,8 @@
 #include <cstdint>
 #include <memory>
 
+#include "models/accel/architecture.h"
+
 namespace hvp::vp::rtl {
 
 // What the host can address in engine.sv (engine_types.sv, space_t).
@@ -52,6 +54,9 @@ struct EnginePorts {
   std::int32_t d_exponent = 0;
   std::int64_t r_r = 0;
   std::int64_t d_q = 0;
+  // Clocks in which packages of any partition have waited since the solve began.
+  std::int64_t turn_waits = 0;  // for the banks of d, or for their rows' turns
+  std::int64_t room_waits = 0;  // for room for a finished row
 };
 
 // engine.sv in one size, as Verilator has translated it.
@@ -85,6 +90,9 @@ struct EngineSize {
   int phase_clocks;
   int division_clocks;
   int static_bits;
+  int rows_in_parallel;
+  int direction_banks;
+  accel::DirectionMemory direction_memory;
   // All state begins with random values, which differ from seed to seed.
   std::unique_ptr<EngineModel> (*make)(int seed);
 

@@ -44,6 +44,8 @@ void RtlComparison::start_solve(const fixed::Settings& settings) {
   started_ = sc_core::sc_time_stamp();
   const bool copies = engine_.sequencer().state() == engine::State::copy;
   waited_ = copies ? rtl_.copy_clocks() - edges_since(copied_from_) : 0;
+  turn_waits_ = turn_waits();
+  room_waits_ = room_waits();
   rtl_.start_solve(settings);
   solving_ = true;
 }
@@ -70,6 +72,22 @@ void RtlComparison::iteration(const fixed::IterationState& state) {
   compare("the exponent of beta", ports.beta_exponent, state.beta.exponent);
   compare("the exponent of d less that of r", ports.d_exponent - ports.r_exponent,
           state.direction_exponent);
+}
+
+std::int64_t RtlComparison::turn_waits() const {
+  std::int64_t waits = 0;
+  for (int p = 0; p < engine_.architecture().partitions; ++p) {
+    waits += engine_.block(p).bank_stalls();
+  }
+  return waits;
+}
+
+std::int64_t RtlComparison::room_waits() const {
+  std::int64_t waits = 0;
+  for (int p = 0; p < engine_.architecture().partitions; ++p) {
+    waits += engine_.block(p).queue_stalls();
+  }
+  return waits;
 }
 
 void RtlComparison::compare_x() {
@@ -99,6 +117,10 @@ void RtlComparison::end_solve() {
             rtl[i], model[i]);
   }
   compare("the number of clocks", rtl_.clocks(), solve_clocks(model));
+  compare("the number of clocks in which packages wait for their turns", rtl_.ports().turn_waits,
+          turn_waits() - turn_waits_);
+  compare("the number of clocks in which packages wait for room", rtl_.ports().room_waits,
+          room_waits() - room_waits_);
   compare_x();
   const fixed::Report is = rtl_.report();
   const fixed::Report should = engine_.report();

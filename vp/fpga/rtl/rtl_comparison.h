@@ -13,8 +13,8 @@ namespace hvp::vp::rtl {
 
 // Runs the engine in SystemVerilog through the jobs of the cycle-accurate one and compares both:
 // after each iteration the scalars and exponents, which depend on every word of r, d and A·d; after
-// each job x, the report and the clocks of every state. The host's accesses have to be made to
-// both, to this one before the other.
+// each job x, the report, the clocks of every state and those in which packages have waited. The
+// host's accesses have to be made to both, to this one before the other.
 class RtlComparison : public fixed::Observer {
  public:
   // Throws InputError as RtlEngine does.
@@ -47,6 +47,9 @@ class RtlComparison : public fixed::Observer {
   std::int64_t edges_since(const sc_core::sc_time& time) const;
   void compare(const std::string& what, std::int64_t rtl, std::int64_t model);
   void compare_x();
+  // Of all partitions of the model, since it was made.
+  std::int64_t turn_waits() const;
+  std::int64_t room_waits() const;
 
   engine::CycleEngine& engine_;
   RtlEngine rtl_;
@@ -55,6 +58,8 @@ class RtlComparison : public fixed::Observer {
   std::int64_t compared_clocks_ = 0;
   sc_core::sc_time copied_from_, started_;
   std::int64_t waited_ = 0;
+  // The clocks that the model's packages had waited before the solve.
+  std::int64_t turn_waits_ = 0, room_waits_ = 0;
   bool solving_ = false;
 };
 

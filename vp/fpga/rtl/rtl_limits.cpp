@@ -14,6 +14,17 @@ void require(bool there, const char* key, const std::string& found, const std::s
   throw InputError(key, found + "; at the level rtl " + expected + " was expected");
 }
 
+const char* name(accel::DirectionMemory memory) {
+  switch (memory) {
+    case accel::DirectionMemory::double_pumped:
+      return "\"double-pumped\"";
+    case accel::DirectionMemory::two_copies:
+      return "\"two-copies\"";
+    default:
+      return "\"stall\"";
+  }
+}
+
 void require_equal(const char* key, int found, int expected) {
   require(found == expected, key, std::to_string(found), std::to_string(expected));
 }
@@ -21,7 +32,7 @@ void require_equal(const char* key, int found, int expected) {
 }  // namespace
 
 void require_fitting(const EngineSize& size, const accel::Architecture& a) {
-  require_equal("rows_in_parallel", a.rows_in_parallel, 3);
+  require_equal("rows_in_parallel", a.rows_in_parallel, size.rows_in_parallel);
   require_equal("package", a.package, size.package);
   require_equal("partitions", a.partitions, size.partitions);
   require_equal("nodes_per_clock", a.nodes_per_clock, size.nodes_per_clock);
@@ -33,9 +44,9 @@ void require_fitting(const EngineSize& size, const accel::Architecture& a) {
     require_equal("division_clocks", a.division_clocks, size.division_clocks);
   }
   require_equal("result_queue", a.result_queue, 1 << size.queue_bits);
-  require_equal("direction_banks", a.direction_banks, 1);
-  require(a.direction_memory == accel::DirectionMemory::double_pumped, "direction_memory",
-          "another memory", "\"double-pumped\"");
+  require_equal("direction_banks", a.direction_banks, size.direction_banks);
+  require(a.direction_memory == size.direction_memory, "direction_memory", name(a.direction_memory),
+          name(size.direction_memory));
 }
 
 void require_fitting(const EngineSize& size, const fixed::Settings& s) {

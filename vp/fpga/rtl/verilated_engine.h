@@ -69,6 +69,8 @@ class VerilatedEngine : public EngineModel {
     ports.d_exponent = static_cast<std::int32_t>(top_->d_exponent);
     ports.r_r = static_cast<std::int64_t>(top_->r_r);
     ports.d_q = static_cast<std::int64_t>(top_->d_q);
+    ports.turn_waits = top_->turn_waits;
+    ports.room_waits = top_->room_waits;
   }
 
   std::unique_ptr<VerilatedContext> context_;

@@ -23,6 +23,9 @@ module engine
     parameter int PhaseClocks = 20,
     parameter int DivisionClocks = 68,
     parameter int StaticBits = 4,
+    parameter int RowsInParallel = 3,
+    parameter int DirectionBanks = 1,
+    parameter int DirectionMemory = 0,  // accel::DirectionMemory: double-pumped, two copies, stall
     parameter int BlockBits = 6        // 2^BlockBits blocks of a row at most, for the editor
 ) (
     input wire clock,
@@ -57,7 +60,11 @@ module engine
     output wire [31:0] r_exponent,
     output wire [31:0] d_exponent,
     output wire [63:0] r_r,
-    output wire [63:0] d_q
+    output wire [63:0] d_q,
+    // Clocks in which packages of any partition have waited since the solve began: for the banks of
+    // d or the rows, and for room for a finished row.
+    output wire [31:0] turn_waits,
+    output wire [31:0] room_waits
 );
 
   localparam int ProductBits = 32;
@@ -73,8 +80,19 @@ module engine
 
   if (DotBits > 64) $error("the stop test's sums have 64 bits");
   // What is not built: the arithmetic below leaves no room for it.
-  if (Lanes != 1 && Lanes != 2) $error("a double-pumped memory of d serves one or two lanes");
-  if (Nodes > 4) $error("a double-pumped memory of d serves the four nodes of a package");
+  localparam int DirectionAccesses = DirectionMemory == 2 ? 2 : 4;
+  localparam int WriteAccesses = DirectionMemory == 1 ? 2 : 1;
+  localparam int InBank = (Lanes + DirectionBanks - 1) / DirectionBanks;
+  if (2 ** $clog2(Lanes) != Lanes || 2 ** $clog2(DirectionBanks) != DirectionBanks) begin
+    $error("lanes and banks of d are bits of a node's number");
+  end
+  if (InBank > 2) $error("a memory of d takes two words of a pass: more banks are needed");
+  if ($clog2(DirectionBanks) >= NodeBits) $error("more banks of d than nodes");
+  if (Package > 16) $error("the adder tree has ranks for 16 products");
+  if (RowsInParallel < 1 || RowsInParallel > 3) $error("a package has three rows");
+  if (RowsInParallel < 3 && Nodes > DirectionAccesses) begin
+    $error("the first rows would need words that the banks of d have not read");
+  end
   if (PhaseClocks < 19) $error("the lanes have ranks up to 18");
   if (DivisionClocks < (ScalarBits - 1) / 8 + CoefficientBits + 41) begin
     $error("the divider and the scaler take longer than a division");
@@ -244,7 +262,10 @@ module engine
       .NodeBits(NodeBits),
       .QueueBits(QueueBits),
       .DotBits(DotBits),
-      .PhaseClocks(PhaseClocks)
+      .PhaseClocks(PhaseClocks),
+      .DirectionBanks(DirectionBanks),
+      .DirectionAccesses(DirectionAccesses),
+      .DirectionWriteAccesses(WriteAccesses)
   ) vectors (
       .clock,
       .reset,
@@ -307,7 +328,11 @@ module engine
       .PackageBits(PackageBits),
       .BlockBits(BlockBits),
       .QueueBits(QueueBits),
-      .PhaseClocks(PhaseClocks)
+      .PhaseClocks(PhaseClocks),
+      .RowsInParallel(RowsInParallel),
+      .DirectionBanks(DirectionBanks),
+      .DirectionMemory(DirectionMemory),
+      .DirectionAccesses(DirectionAccesses)
   ) matrix (
       .clock,
       .reset,
@@ -331,7 +356,10 @@ module engine
       .finished(rows_finished),
       .row_node,
       .row_sum,
-      .row_own
+      .row_own,
+      .clear_waits(go),
+      .turn_waits,
+      .room_waits
   );
 
   wire unused = &{1'b0, alpha_shift};

@@ -21,22 +21,25 @@ module index_prefetch #(
     // The editor's address, in place of the next one; its word is there with the next edge.
     input wire pauses,
     input wire [PackageBits-1:0] paused_package,
-    output wire [Bits-1:0] paused_word,
+    // What the memory shows; how many turns the banks of d need for it is kept beside it.
+    output logic [Bits-1:0] read,
+    input wire [1:0] read_last_turn,
     // The package that enters next.
     input wire takes,
     output wire there,
     output wire [Bits-1:0] word,
+    output wire [1:0] last_turn,
     output wire ends  // it is the last one
 );
 
   logic [Bits-1:0] cells[2**PackageBits];
-  logic [Bits-1:0] read;
   logic read_valid, read_ends;
   logic [PackageBits-1:0] fetched;
 
   // Two registers: the first one's word is taken, the second one's waits.
   logic [1:0] full;
-  logic [Bits:0] first, second;
+  logic [Bits+2:0] first, second;
+  wire [Bits+2:0] arriving = {read_ends, read_last_turn, read};
   wire filled = full[1] || (full[0] && read_valid);
   wire empties = reset || write || restarts;
   wire fetches = !pauses && packages != '0 && (!filled || takes);
@@ -49,8 +52,8 @@ module index_prefetch #(
     read_valid <= fetches;
     read_ends <= wraps;
     if (fetches) fetched <= wraps ? '0 : fetched + 1'b1;
-    if (moves) first <= full[1] ? second : {read_ends, read};
-    if (read_valid) second <= {read_ends, read};
+    if (moves) first <= full[1] ? second : arriving;
+    if (read_valid) second <= arriving;
     full[0] <= full[1] || read_valid || !moves;
     full[1] <= full[0] && !takes && (full[1] || read_valid);
     if (empties) begin
@@ -59,9 +62,8 @@ module index_prefetch #(
       full <= '0;
     end
   end
-  assign {ends, word} = first;
+  assign {ends, last_turn, word} = first;
   assign there = full[0];
-  assign paused_word = read;
 
 endmodule
 

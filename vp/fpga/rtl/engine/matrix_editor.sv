@@ -47,7 +47,8 @@ module matrix_editor #(
 );
 
   localparam int ColumnBits = BlockBits + 3;
-  localparam int Banks = 4;  // a package touches no more blocks
+  localparam int BankBits = Nodes > 4 ? 3 : 2;  // a package touches no more blocks
+  localparam int Banks = 2 ** BankBits;
 
   // ---- Contact nodes, one bit each: looked up for every column of a package.
   logic contact[2**NodeBits];
@@ -56,7 +57,7 @@ module matrix_editor #(
     else if (contact_write) contact[contact_node] <= contact_word;
   end
 
-  // ---- The row that comes back: block i is in memory i mod 4.
+  // ---- The row that comes back: block i is in memory i mod Banks.
   logic [8:0][MatrixBits-1:0] block_words;
   logic [BlockBits-1:0] first_block;
   wire [Banks-1:0][8:0][MatrixBits-1:0] staged;
@@ -66,16 +67,16 @@ module matrix_editor #(
     end
   end
   for (genvar b = 0; b < Banks; ++b) begin : g_bank
-    logic [9*MatrixBits-1:0] cells[2**(BlockBits-2)];
+    logic [9*MatrixBits-1:0] cells[2**(BlockBits-BankBits)];
     always_ff @(posedge clock) begin
-      if (staged_write && staged_entry == 4'd15 && staged_block[1:0] == 2'(b)) begin
-        cells[staged_block[BlockBits-1:2]] <= block_words;
+      if (staged_write && staged_entry == 4'd15 && staged_block[BankBits-1:0] == BankBits'(b)) begin
+        cells[staged_block[BlockBits-1:BankBits]] <= block_words;
       end
     end
-    // Of the four blocks from the first one: that which this memory has.
+    // Of Banks blocks from the first one: that which this memory has.
     wire [BlockBits-1:0] ahead = first_block + BlockBits'(Banks - 1 - b);
-    assign staged[b] = cells[ahead[BlockBits-1:2]];
-    wire unused = &{1'b0, ahead[1:0]};
+    assign staged[b] = cells[ahead[BlockBits-1:BankBits]];
+    wire unused = &{1'b0, ahead[BankBits-1:0]};
   end
 
   // ---- Visits. Ranks: the address, the memories' registers, and the words.
@@ -147,7 +148,7 @@ module matrix_editor #(
   logic [Nodes-1:0][8:0][MatrixBits-1:0] block_of;
   always_comb begin
     for (int n = 0; n < Nodes; ++n) begin
-      automatic logic [1:0] bank = block[2][1:0] + (own[2] ? 2'(n) : 2'd0);
+      automatic logic [BankBits-1:0] bank = block[2][BankBits-1:0] + (own[2] ? BankBits'(n) : '0);
       block_of[n] = staged[bank];
     end
   end

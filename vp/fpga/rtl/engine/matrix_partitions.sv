@@ -17,7 +17,11 @@ module matrix_partitions
     parameter int PackageBits = 11,
     parameter int BlockBits = 6,
     parameter int QueueBits = 4,
-    parameter int PhaseClocks = 20
+    parameter int PhaseClocks = 20,
+    parameter int RowsInParallel = 3,
+    parameter int DirectionBanks = 1,
+    parameter int DirectionMemory = 0,
+    parameter int DirectionAccesses = 4
 ) (
     input wire clock,
     input wire reset,
@@ -43,7 +47,11 @@ module matrix_partitions
     output wire [Partitions-1:0][QueueBits:0] finished,
     output wire [Partitions-1:0][NodeBits-1:0] row_node,
     output wire [Partitions-1:0][2:0][SumBits-1:0] row_sum,
-    output wire [Partitions-1:0][2:0][VectorBits-1:0] row_own
+    output wire [Partitions-1:0][2:0][VectorBits-1:0] row_own,
+    // Clocks of all partitions in which a package has waited since a solve began.
+    input wire clear_waits,
+    output logic [31:0] turn_waits,
+    output logic [31:0] room_waits
 );
 
   localparam int Nodes = Package % 3 == 0 ? Package / 3 : (Package + 1) / 3 + 1;
@@ -107,6 +115,7 @@ module matrix_partitions
       .write_package(edited_package),
       .new_words(edited_words)
   );
+  wire [Partitions-1:0] waits_for_turns, waits_for_room;
   for (genvar p = 0; p < Partitions; ++p) begin : g_partition
     wire here = host_write && host_address[31:16] == 16'(p);
     wire [2:0] rows;
@@ -126,7 +135,11 @@ module matrix_partitions
         .NodeBits(NodeBits),
         .PackageBits(PackageBits),
         .QueueBits(QueueBits),
-        .Lanes(Lanes)
+        .Lanes(Lanes),
+        .RowsInParallel(RowsInParallel),
+        .DirectionBanks(DirectionBanks),
+        .DirectionMemory(DirectionMemory),
+        .DirectionAccesses(DirectionAccesses)
     ) spmxv (
         .clock,
         .reset,
@@ -153,8 +166,32 @@ module matrix_partitions
         .finished(finished[p]),
         .row_node(row_node[p]),
         .row_sum(row_sum[p]),
-        .row_own(row_own[p])
+        .row_own(row_own[p]),
+        .waits_for_turns(waits_for_turns[p]),
+        .waits_for_room(waits_for_room[p])
     );
+  end
+
+  // ---- Counters.
+  localparam int CountBits = $clog2(Partitions + 1);
+  logic [CountBits-1:0] turns, turns_now, rooms, rooms_now;
+  always_comb begin
+    turns = '0;
+    rooms = '0;
+    for (int p = 0; p < Partitions; ++p) begin
+      turns = turns + CountBits'(waits_for_turns[p]);
+      rooms = rooms + CountBits'(waits_for_room[p]);
+    end
+  end
+  always_ff @(posedge clock) begin
+    turns_now <= turns;
+    rooms_now <= rooms;
+    turn_waits <= clear_waits ? '0 : turn_waits + 32'(turns_now);
+    room_waits <= clear_waits ? '0 : room_waits + 32'(rooms_now);
+    if (clear_waits || reset) begin
+      turns_now <= '0;
+      rooms_now <= '0;
+    end
   end
 
   // The copies agree: a pass reads the first one.

@@ -2,8 +2,10 @@
 // it: index memory, non-zero memory, copy of d, multipliers, adder trees, accumulators and the
 // memory of finished rows.
 //
-// A package of Package columns and three rows enters at every clock, unless it ends a row for which
-// the result memory has no room. Ranks, in edges from the one at which a package enters:
+// A package of Package columns enters with RowsInParallel of its three rows. It takes a clock, or as
+// many turns as the banks of d need for its words and the rows for the multipliers, and waits where
+// it ends a row for which the result memory has no room. Ranks, in edges from the one at which a
+// package has its last turn:
 //   0, 1 memories read     2 operands     3, 4 multipliers     5 to 7 adder tree
 //   8 accumulated; the row is in the result memory
 //
@@ -20,6 +22,10 @@ module spmxv_partition #(
     parameter int PackageBits = 11,
     parameter int QueueBits = 4,      // 2^QueueBits rows wait to be taken
     parameter int Lanes = 2,
+    parameter int RowsInParallel = 3,
+    parameter int DirectionBanks = 1,
+    parameter int DirectionMemory = 0,
+    parameter int DirectionAccesses = 4,
     // Nodes that a package touches.
     localparam int Nodes = Package % 3 == 0 ? Package / 3 : (Package + 1) / 3 + 1,
     // {last, phase, owner, nodes}: the package ends its row; the component of its first column; the
@@ -55,7 +61,10 @@ module spmxv_partition #(
     output logic [QueueBits:0] finished,
     output wire [NodeBits-1:0] row_node,
     output wire [2:0][SumBits-1:0] row_sum,
-    output wire [2:0][VectorBits-1:0] row_own
+    output wire [2:0][VectorBits-1:0] row_own,
+    // Whether a package waits, for its turns or for room in the result memory.
+    output wire waits_for_turns,
+    output wire waits_for_room
 );
 
   /* verilator no_inline_module */
@@ -64,17 +73,26 @@ module spmxv_partition #(
   localparam int ProductBits = MatrixBits + VectorBits;
   localparam int Pairs = (Package + 1) / 2;
   localparam int Fours = (Package + 3) / 4;
+  localparam int R = RowsInParallel;
+  localparam int RowTurns = (3 + R - 1) / R;
 
   // ---- Issue.
-  wire [IndexBits-1:0] head, edited_index;
+  wire [IndexBits-1:0] head, read_index;
   wire there, ends;
   logic busy;
   logic [PackageBits-1:0] position;
   logic [QueueBits:0] issued;
+  logic [1:0] turn;
+  wire [1:0] head_last_turn, read_last_turn;
   wire head_last = head[IndexBits-1];
   wire running = busy || (start && packages != '0);
+  wire serves = running && there;
+  wire last_turn = turn == head_last_turn;
   wire [QueueBits:0] waiting = issued - taken;
-  wire issue = running && there && !(head_last && waiting[QueueBits]);
+  wire full = head_last && waiting[QueueBits];
+  wire issue = serves && last_turn && !full;
+  assign waits_for_turns = serves && !last_turn;
+  assign waits_for_room = serves && last_turn && full;
   index_prefetch #(
       .Bits(IndexBits),
       .PackageBits(PackageBits)
@@ -88,19 +106,24 @@ module spmxv_partition #(
       .restarts(packages_write),
       .pauses(edits),
       .paused_package(edited_package),
-      .paused_word(edited_index),
+      .read(read_index),
+      .read_last_turn,
       .takes(issue),
       .there,
       .word(head),
+      .last_turn(head_last_turn),
       .ends
   );
   always_ff @(posedge clock) begin
     if (issue) position <= ends ? '0 : position + 1'b1;
     busy <= running && !(issue && ends);
+    if (issue) turn <= '0;
+    else if (waits_for_turns) turn <= turn + 1'b1;
     if (issue && head_last) issued <= issued + 1'b1;
     if (reset) begin
       position <= '0;
       busy <= 1'b0;
+      turn <= '0;
       issued <= '0;
     end
   end
@@ -111,16 +134,60 @@ module spmxv_partition #(
   end
 `endif
 
+  // ---- The turns of a package, which are known when its word is read: of the banks where they have
+  // fewer accesses than it has nodes, or of the rows.
+  wire [2:0][Nodes-1:0] reads;
+  wire [2:0][Nodes-1:0][2:0] number;
+  if (DirectionBanks > 1 || Nodes > DirectionAccesses) begin : g_banks
+    wire [1:0] bank_turn, unused_turn;
+    wire [2:0][Nodes-1:0] unused_reads;
+    wire [2:0][Nodes-1:0][2:0] unused_number;
+    bank_reads #(
+        .Package(Package),
+        .NodeBits(NodeBits),
+        .Banks(DirectionBanks),
+        .Accesses(DirectionAccesses)
+    ) reads_of_next (
+        .phase(read_index[IndexBits-2-:2]),
+        .node(read_index[Nodes*NodeBits-1:0]),
+        .reads(unused_reads),
+        .number(unused_number),
+        .last_turn(bank_turn)
+    );
+    bank_reads #(
+        .Package(Package),
+        .NodeBits(NodeBits),
+        .Banks(DirectionBanks),
+        .Accesses(DirectionAccesses)
+    ) reads_of_head (
+        .phase(head[IndexBits-2-:2]),
+        .node(head[Nodes*NodeBits-1:0]),
+        .reads,
+        .number,
+        .last_turn(unused_turn)
+    );
+    assign read_last_turn = RowTurns > 1 ? 2'(RowTurns - 1) : bank_turn;
+    wire unused = &{1'b0, bank_turn, unused_reads, unused_number, unused_turn};
+  end else begin : g_bank
+    assign reads = '1;
+    assign number = '0;
+    assign read_last_turn = 2'(RowTurns - 1);
+  end
+
   // ---- Ranks 0 and 1: the memories.
   logic issued0, issued1;
   logic [PackageBits-1:0] package0;
   logic [IndexBits-1:0] index0, index1;
+  logic [1:0] turn0, turn1;  // of the rows
   logic [2:0][Package-1:0][MatrixBits-1:0] words1;
   wire [2:0][Nodes-1:0][VectorBits-1:0] nodes1;  // a component of each node
   always_ff @(posedge clock) begin
-    issued0 <= issue && !reset;
+    // Each turn has rows of its own, or all of them go with the last one.
+    issued0 <= (issue || (RowTurns > 1 && waits_for_turns)) && !reset;
+    turn0 <= RowTurns > 1 ? turn : '0;
+    turn1 <= turn0;
     package0 <= edits ? edited_package : position;
-    index0 <= edits ? edited_index : head;
+    index0 <= edits ? read_index : head;
     issued1 <= issued0 && !reset;
     index1 <= index0;
   end
@@ -132,24 +199,31 @@ module spmxv_partition #(
     end
   end
   for (genvar c = 0; c < 3; ++c) begin : g_component
-    logic [Lanes-1:0][VectorBits-1:0] written;
+    logic [Lanes-1:0][VectorBits-1:0] written, passed;
     for (genvar l = 0; l < Lanes; ++l) begin : g_lane
       assign written[l] = direction_new[l][c];
-      assign direction_words[l][c] = nodes1[c][l];
+      assign direction_words[l][c] = passed[l];
     end
-    double_pumped_memory #(
+    direction_copy #(
         .Width(VectorBits),
-        .AddressBits(NodeBits),
-        .Reads(Nodes),
-        .Lanes(Lanes)
+        .NodeBits(NodeBits),
+        .Nodes(Nodes),
+        .Lanes(Lanes),
+        .Banks(DirectionBanks),
+        .Memory(DirectionMemory),
+        .Accesses(DirectionAccesses)
     ) copy (
         .clock,
         .product,
-        .package_address(head[Nodes*NodeBits-1:0]),
-        .pass_address(direction_read),
+        .node(head[Nodes*NodeBits-1:0]),
+        .reads(reads[c]),
+        .number(number[c]),
+        .turn,
         .word(nodes1[c]),
+        .pass_node(direction_read),
+        .pass_word(passed),
         .write(direction_write),
-        .write_address(direction_first),
+        .write_node(direction_first),
         .write_word(written)
     );
   end
@@ -180,14 +254,16 @@ module spmxv_partition #(
     end
   end
 
+  localparam int TotalBits = ProductBits + 4;  // of up to 16 products
   logic signed [VectorBits-1:0] factor_d[Package];
-  logic signed [MatrixBits-1:0] factor_a[3][Package];
-  logic signed [ProductBits-1:0] product3[3][Package];
-  logic signed [ProductBits-1:0] product4[3][Package];
-  logic signed [ProductBits:0] pair5[3][Pairs];
-  logic signed [ProductBits+1:0] four6[3][Fours];
-  logic signed [ProductBits+3:0] total7[3];
+  logic signed [MatrixBits-1:0] factor_a[R][Package];
+  logic signed [ProductBits-1:0] product3[R][Package];
+  logic signed [ProductBits-1:0] product4[R][Package];
+  logic signed [ProductBits:0] pair5[R][Pairs];
+  logic signed [ProductBits+1:0] four6[R][Fours];
+  logic signed [TotalBits-1:0] total7[R];
   logic [7:2] valid, last;
+  logic [1:0] row_turn[2:7];
   logic [NodeBits-1:0] owner[2:7];
   logic [2:0] caught[2:7];
   logic [2:0][VectorBits-1:0] own[2:7];
@@ -200,10 +276,14 @@ module spmxv_partition #(
           2'd1: factor_d[c] <= in_order[c+1];
           default: factor_d[c] <= in_order[c+2];
         endcase
-        for (int r = 0; r < 3; ++r) factor_a[r][c] <= words1[r][c];
+        for (int r = 0; r < R; ++r) begin
+          for (int t = 0; t < RowTurns; ++t) begin
+            if (turn1 == 2'(t) && t * R + r < 3) factor_a[r][c] <= words1[t*R+r<3?t*R+r : 0][c];
+          end
+        end
       end
     end
-    for (int r = 0; r < 3; ++r) begin
+    for (int r = 0; r < R; ++r) begin
       if (valid[2]) begin
         for (int c = 0; c < Package; ++c) product3[r][c] <= factor_a[r][c] * factor_d[c];
       end
@@ -226,17 +306,19 @@ module spmxv_partition #(
         end
       end
       if (valid[6]) begin
-        automatic logic signed [ProductBits+3:0] total = '0;
-        for (int i = 0; i < Fours; ++i) total = total + (ProductBits + 4)'(four6[r][i]);
+        automatic logic signed [TotalBits-1:0] total = '0;
+        for (int i = 0; i < Fours; ++i) total = total + TotalBits'(four6[r][i]);
         total7[r] <= total;
       end
     end
     valid <= {valid[6:2], issued1 && !reset};
-    last <= {last[6:2], index1[IndexBits-1]};
+    last <= {last[6:2], index1[IndexBits-1] && turn1 == 2'(RowTurns - 1)};
+    row_turn[2] <= turn1;
     owner[2] <= owner1;
     caught[2] <= caught1;
     own[2] <= own1;
     for (int i = 3; i <= 7; ++i) begin
+      row_turn[i] <= row_turn[i-1];
       owner[i] <= owner[i-1];
       caught[i] <= caught[i-1];
       own[i] <= own[i-1];
@@ -251,7 +333,8 @@ module spmxv_partition #(
   logic [2:0][VectorBits-1:0] own_words, next_own;
   always_comb begin
     for (int r = 0; r < 3; ++r) begin
-      next_sum[r] = sum[r] + SumBits'(total7[r]);
+      next_sum[r] = sum[r];
+      if (row_turn[7] == 2'(r / R)) next_sum[r] = sum[r] + SumBits'(total7[r%R]);
       next_own[r] = caught[7][r] ? own[7][r] : own_words[r];
     end
   end

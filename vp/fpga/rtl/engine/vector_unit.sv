@@ -3,8 +3,8 @@
 // written at rank PhaseClocks - 5 and the pass is over when the last group's rank is PhaseClocks - 1,
 // a row's VectorClocks - 1 edges after it was taken.
 //
-// Ports of d: Lanes reads and Lanes writes a clock, which a double-pumped memory has for one or two
-// lanes, so that no group waits.
+// A bank of d has DirectionAccesses a clock. Writes come first; a group that has no accesses left to
+// be read with waits.
 `default_nettype none
 
 module vector_unit
@@ -22,6 +22,9 @@ module vector_unit
     parameter int QueueBits = 4,
     parameter int DotBits = 60,
     parameter int PhaseClocks = 20,
+    parameter int DirectionBanks = 1,
+    parameter int DirectionAccesses = 4,
+    parameter int DirectionWriteAccesses = 1,
     localparam int DifferenceBits =
         difference_bits(VectorBits, StaticBits, ProductBits, ProductShift),
     localparam int BankBits = Lanes > 1 ? $clog2(Lanes) : 0,
@@ -92,14 +95,30 @@ module vector_unit
   assign product = active && pass == Product;
   wire moves = active && pass != Product && pass != NoPass;
   wire [NodeBits:0] entering = start ? '0 : next_node;
-  logic [Lanes-1:0] enters;
+  logic [Lanes-1:0] wants, enters;
   always_comb for (int l = 0; l < Lanes; ++l) begin
-    enters[l] = moves && entering + (NodeBits + 1)'(l) < nodes;
+    wants[l] = moves && entering + (NodeBits + 1)'(l) < nodes;
   end
 
   // Ranks: the group's first node, and which lanes have a node.
   logic [NodeBits-1:0] node[PhaseClocks-1];
   logic [Lanes-1:0] valid[PhaseClocks-1];
+
+  // A bank's nodes of the group that wants to enter, and of the one that is written.
+  wire writes_d = pass == Copy || pass == Guess || pass == FirstDirection || pass == Direction ||
+                  exchange;
+  wire reads_d = pass == Update || pass == Direction || (pass == Residual && exchange);
+  logic [3:0] accesses;
+  always_comb begin
+    accesses = '0;
+    for (int l = 0; l < Lanes; l += DirectionBanks) begin
+      accesses = accesses + 4'(wants[l]);
+      if (writes_d && valid[Written-1][l] && !start) begin
+        accesses = accesses + 4'(DirectionWriteAccesses);
+      end
+    end
+  end
+  assign enters = reads_d && accesses > 4'(DirectionAccesses) ? '0 : wants;
   always_ff @(posedge clock) begin
     node[0] <= entering[NodeBits-1:0];
     valid[0] <= enters;
@@ -154,8 +173,6 @@ module vector_unit
   localparam int LaneBits = Lanes > 1 ? BankBits : 1;
   wire [LaneBits-1:0] host_lane = Lanes > 1 ? host_node[LaneBits-1:0] : '0;
   wire is_product = pass == Product;
-  wire writes_d = pass == Copy || pass == Guess || pass == FirstDirection || pass == Direction ||
-                  exchange;
   wire [Lanes-1:0][2:0][Q-1:0] q2;
   wire [Lanes-1:0][2:0] q_clamped2, b_clamped3, sum_clamped11, r_clamped11;
   wire [Lanes-1:0][2:0][DifferenceBits-1:0] difference4;
