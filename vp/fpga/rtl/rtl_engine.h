@@ -13,6 +13,7 @@
 #include "models/fixed/solver.h"
 #include "vp/fpga/engine/layout.h"
 #include "vp/fpga/engine/sequencer.h"
+#include "vp/fpga/rtl/engine_memories.h"
 #include "vp/fpga/rtl/engine_model.h"
 
 namespace hvp::vp::rtl {
@@ -64,6 +65,8 @@ class RtlEngine {
   // What the hardware knows of the last solve.
   fixed::Report report() const;
   const EnginePorts& ports() const { return ports_; }
+  const EngineMemories& memories() const { return memories_; }
+  EngineMemories& memories() { return memories_; }
   const EngineSize& size() const { return size_; }
   const fixed::Settings& settings() const { return settings_; }
 
@@ -83,6 +86,7 @@ class RtlEngine {
   accel::Architecture architecture_;
   std::unique_ptr<EngineModel> model_;
   EnginePorts& ports_;
+  EngineMemories memories_;
   fixed::Settings settings_;
   int nodes_ = 0;
   std::int64_t clocks_ = 0;
