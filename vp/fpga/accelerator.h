@@ -88,6 +88,8 @@ class Accelerator : public sc_core::sc_module, private ListOwner {
   std::int64_t breakdowns() const { return breakdowns_; }
   // The cycle-accurate engine; null at other levels.
   const engine::CycleEngine* engine() const { return timing_->engine(); }
+  // What the level rtl has compared; empty at other levels.
+  std::optional<rtl::Compared> compared() const { return timing_->compared(); }
   // The frame whose job or update was commanded last, -1 before the first.
   std::int64_t frame() const { return frame_; }
   // The finished job that took most clocks, at the levels with an engine.

@@ -12,6 +12,7 @@
 #include "models/fixed/solver.h"
 #include "vp/fidelity.h"
 #include "vp/fpga/engine/cycle_engine.h"
+#include "vp/fpga/rtl/compared.h"
 
 namespace hvp::vp {
 
@@ -63,6 +64,8 @@ class JobTiming {
 
   // The cycle-accurate engine; null at other levels.
   virtual const engine::CycleEngine* engine() const { return nullptr; }
+  // What the level rtl has compared so far; empty at other levels.
+  virtual std::optional<rtl::Compared> compared() const { return std::nullopt; }
 };
 
 // Makes the timing of this level. A module becomes a child of the module under construction. Throws
