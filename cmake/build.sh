@@ -133,9 +133,11 @@ locked() { # directory command…
 
 # What configuring found: where the build directory belongs, as a checkout that was moved or copied
 # must not build from the old place, which CMake's cache remembers; and the packages, as what was
-# not there then is left out.
+# not there then is left out; and the engine's modules, as ninja translates them once more before
+# it looks for new ones.
 configured_for() { # preset
   printf '%s\n' "$top" "$build/$1"
+  (cd "$top" && printf '%s\n' vp/fpga/rtl/engine/*.sv)
   installed_packages
 }
 

@@ -43,6 +43,18 @@ std::string solve_clocks(const app::Scene& scene, const Outcome& o) {
                      readable_time(clocks * a.clock_period_ps()));
 }
 
+// What stands behind the results of the level rtl.
+void compared_line(Out out, const Outcome& o) {
+  if (!o.accelerator || !o.accelerator->compared) return;
+  const vp::rtl::Compared& c = *o.accelerator->compared;
+  fmt::format_to(out,
+                 "\nRTL          as the cycle-accurate engine: {}, {} aborted, with {}; {} of the "
+                 "matrix;\n             {} and {} compared\n",
+                 counted(c.solves, "solve"), c.aborted, counted(c.iterations, "iteration"),
+                 counted(c.updates, "update"), counted(c.clocks, "clock"),
+                 counted(c.words, "word"));
+}
+
 void engine_lines(Out out, const app::Scene& scene, const Outcome& o) {
   if (!o.accelerator || !o.accelerator->engine) return;
   const EngineClocks& e = *o.accelerator->engine;
@@ -368,6 +380,7 @@ std::string report(const app::Scene& scene, const Outcome& o) {
     fmt::format_to(out, "  the device's maker    states up to {:g} N/m\n", limits->stiffness_N_m);
   }
   engine_lines(out, scene, o);
+  compared_line(out, o);
   if (scene.has_body()) text += accuracy_text(scene, o);
   text += force_text(o);
   text += loop_text(o);

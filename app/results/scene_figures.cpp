@@ -118,6 +118,7 @@ std::optional<AcceleratorFigures> accelerator_figures(const app::Scene& scene,
   a.clock_period_ps = scene.scenario().accelerator.clock_period_ps();
   if (board != nullptr) {
     a.illegal_accesses = board->illegal_accesses();
+    a.compared = board->compared();
     if (const auto& longest = board->longest_solve()) {
       a.engine = engine_clocks(*longest, accel::solve_cycles(scene.scenario().accelerator,
                                                              scene.pattern(), longest->work));

@@ -14,6 +14,7 @@
 #include "models/fixed/spectrum.h"
 #include "models/mesh/quality.h"
 #include "vp/fidelity.h"
+#include "vp/fpga/rtl/compared.h"
 
 namespace hvp::app {
 struct Scenario;
@@ -97,6 +98,8 @@ struct AcceleratorFigures {
     std::int64_t link_cycles = 0;
   };
   std::optional<Several> several;
+  // At the level rtl, for the terminal: the results are those of cycle-accurate.
+  std::optional<vp::rtl::Compared> compared;
 
   // The clocks of the longest solve where an engine counted it, else by the closed form.
   std::int64_t solve_cycles() const { return engine ? engine->engine : closed_form.total(); }

@@ -90,6 +90,8 @@ class Accelerator : public sc_core::sc_module, private ListOwner {
   const engine::CycleEngine* engine() const { return timing_->engine(); }
   // From now on; only the level rtl has such a port.
   void record_port(EnginePortSink record) { timing_->record_port(std::move(record)); }
+  // What the level rtl has compared; empty at other levels.
+  std::optional<rtl::Compared> compared() const { return timing_->compared(); }
   // The frame whose job or update was commanded last, -1 before the first.
   std::int64_t frame() const { return frame_; }
   // The finished job that took most clocks, at the levels with an engine.

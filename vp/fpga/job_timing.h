@@ -13,6 +13,7 @@
 #include "vp/fidelity.h"
 #include "vp/fpga/engine/cycle_engine.h"
 #include "vp/fpga/engine_port_sink.h"
+#include "vp/fpga/rtl/compared.h"
 
 namespace hvp::vp {
 
@@ -67,6 +68,8 @@ class JobTiming {
 
   // The cycle-accurate engine; null at other levels.
   virtual const engine::CycleEngine* engine() const { return nullptr; }
+  // What the level rtl has compared so far; empty at other levels.
+  virtual std::optional<rtl::Compared> compared() const { return std::nullopt; }
 };
 
 // Makes the timing of this level. A module becomes a child of the module under construction. Throws

@@ -65,6 +65,7 @@ class EveryRtlClock : public EveryClock {
     both_.rtl().forget_previous();
     EveryClock::forget_previous();
   }
+  std::optional<rtl::Compared> compared() const override { return both_.compared(); }
 
  private:
   rtl::RtlComparison both_;

@@ -9,8 +9,8 @@ namespace hvp::vp {
 
 class JobTiming;
 
-// The level rtl: the cycle-accurate engine, and beside it the one in SystemVerilog. After each job
-// x, report and clocks of both are compared, and after each iteration their scalars.
+// The level rtl: the cycle-accurate engine, and beside it the one in SystemVerilog. Both are
+// compared as rtl::RtlComparison says.
 //
 // Throws InputError with a key of accel::Architecture for an engine that has not been translated,
 // or with the key "fidelity.accelerator" where a build has none.

@@ -92,7 +92,7 @@ class Pair {
         "%s: %d solves of %d systems, %lld clocks compared; %lld iterations, %d solves with "
         "clamped words, %d breakdowns, %d ended by the stop test, %d residuals formed anew, %d "
         "holds, %lld clocks of full queues, %lld of packages that wait for the banks of d\n",
-        name, solves, systems, static_cast<long long>(both.compared_clocks()),
+        name, solves, systems, static_cast<long long>(both.compared().clocks),
         static_cast<long long>(iterations), clamping, breakdowns, reached, replacements, holds,
         static_cast<long long>(queue_stalls), static_cast<long long>(bank_stalls));
   }

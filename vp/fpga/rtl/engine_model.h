@@ -1,7 +1,9 @@
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <memory>
+#include <string>
 
 #include "models/accel/architecture.h"
 
@@ -59,6 +61,19 @@ struct EnginePorts {
   std::int64_t room_waits = 0;  // for room for a finished row
 };
 
+// A memory as the translation stores it: words from address 0 on, each in `bytes`, with bit 0 first
+// and the bits beyond `width` zero.
+struct Cells {
+  std::byte* first = nullptr;
+  int count = 0;
+  int width = 0;
+  int bytes = 0;
+
+  // Up to 32 bits of a word, from bit `low` on.
+  std::uint32_t bits(int index, int low, int length) const;
+  void set_bits(int index, int low, int length, std::uint32_t value);
+};
+
 // engine.sv in one size, as Verilator has translated it.
 class EngineModel {
  public:
@@ -71,6 +86,9 @@ class EngineModel {
   virtual void tick() = 0;
   // Lets the inputs act on the outputs without an edge.
   virtual void settle() = 0;
+  // The memory `array` of an instance below engine.sv, "vectors.g_lane[0]" for example. Throws
+  // std::logic_error unless engine/memories.vlt names it.
+  virtual Cells cells(const std::string& instance, const char* array) = 0;
 
   EnginePorts ports;
 };

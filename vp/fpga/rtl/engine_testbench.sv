@@ -50,6 +50,8 @@ module engine_testbench;
       .scalar_overflow(),
       .iterations_made(iterations),
       .replacements(),
+      .turn_waits(),
+      .room_waits(),
       .clamped,
       .alpha(),
       .alpha_exponent(),

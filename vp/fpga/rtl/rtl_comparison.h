@@ -7,14 +7,16 @@
 
 #include "models/fixed/solver.h"
 #include "vp/fpga/engine/cycle_engine.h"
+#include "vp/fpga/rtl/compared.h"
 #include "vp/fpga/rtl/rtl_engine.h"
 
 namespace hvp::vp::rtl {
 
 // Runs the engine in SystemVerilog through the jobs of the cycle-accurate one and compares both:
-// after each iteration the scalars and exponents, which depend on every word of r, d and A·d; after
-// each job x, the report, the clocks of every state and those in which packages have waited. The
-// host's accesses have to be made to both, to this one before the other.
+// before a job x, b and, unless x is on its way into them, the copies of d; after each iteration
+// scalars, exponents and every word of x, r, b, q and all copies of d; once a job the matrix; after
+// it the vectors, the report, the clocks of every state and those in which packages have waited.
+// The host's accesses have to be made to both, to this one before the other.
 class RtlComparison : public fixed::Observer {
  public:
   // Throws InputError as RtlEngine does.
@@ -38,7 +40,7 @@ class RtlComparison : public fixed::Observer {
   RtlEngine& rtl() { return rtl_; }
   // The first difference, with register or word, clock and both values; empty if there is none.
   const std::string& difference() const { return difference_; }
-  std::int64_t compared_clocks() const { return compared_clocks_; }
+  const Compared& compared() const { return compared_; }
   // The clocks that the last solve has waited for x in the copies of d.
   std::int64_t waited() const { return waited_; }
 
@@ -46,6 +48,12 @@ class RtlComparison : public fixed::Observer {
   // The edges of the engine's clock since then.
   std::int64_t edges_since(const sc_core::sc_time& time) const;
   void compare(const std::string& what, std::int64_t rtl, std::int64_t model);
+  void compare_words(Vector vector, std::span<const std::int32_t> model);
+  void compare_direction();
+  // What passes over all nodes have written.
+  void compare_vectors();
+  void compare_matrix();
+  // The host's port.
   void compare_x();
   // Of all partitions of the model, since it was made.
   std::int64_t turn_waits() const;
@@ -55,7 +63,9 @@ class RtlComparison : public fixed::Observer {
   RtlEngine rtl_;
   std::vector<std::int32_t> x_, model_x_;
   std::string difference_;
-  std::int64_t compared_clocks_ = 0;
+  Compared compared_;
+  std::int64_t started_solves_ = 0;
+  bool matrix_is_compared_ = false;  // in this job
   sc_core::sc_time copied_from_, started_;
   std::int64_t waited_ = 0;
   // The clocks that the model's packages had waited before the solve.

@@ -26,7 +26,8 @@ RtlEngine::RtlEngine(const EngineSize& size, const accel::Architecture& architec
     : size_((require_fitting(size, architecture), size)),
       architecture_(architecture),
       model_(size.make(seed)),
-      ports_(model_->ports) {
+      ports_(model_->ports),
+      memories_(*model_, size) {
   reset();
 }
 

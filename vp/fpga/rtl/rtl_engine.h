@@ -13,6 +13,7 @@
 #include "vp/fpga/engine/layout.h"
 #include "vp/fpga/engine/sequencer.h"
 #include "vp/fpga/engine_port_sink.h"
+#include "vp/fpga/rtl/engine_memories.h"
 #include "vp/fpga/rtl/engine_model.h"
 
 namespace hvp::vp::rtl {
@@ -66,6 +67,8 @@ class RtlEngine {
   EnginePortSink record;
 
   const EnginePorts& ports() const { return ports_; }
+  const EngineMemories& memories() const { return memories_; }
+  EngineMemories& memories() { return memories_; }
   const EngineSize& size() const { return size_; }
   const fixed::Settings& settings() const { return settings_; }
 
@@ -87,6 +90,7 @@ class RtlEngine {
   accel::Architecture architecture_;
   std::unique_ptr<EngineModel> model_;
   EnginePorts& ports_;
+  EngineMemories memories_;
   fixed::Settings settings_;
   int nodes_ = 0;
   std::int64_t clocks_ = 0;

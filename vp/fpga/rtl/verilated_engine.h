@@ -1,12 +1,15 @@
 #pragma once
 
+#include <bit>
 #include <memory>
+#include <stdexcept>
 
 // Verilator's headers take SystemC's clock for theirs and expect its name here.
 #include <systemc>
 using sc_core::sc_time_stamp;
 
 #include <verilated.h>
+#include <verilated_sym_props.h>
 
 #include "vp/fpga/rtl/engine_model.h"
 
@@ -46,6 +49,19 @@ class VerilatedEngine : public EngineModel {
     top_->forget_previous = ports.forget_previous ? 1 : 0;
     top_->eval();
     ports.host_read = static_cast<std::int32_t>(top_->host_read);
+  }
+
+  Cells cells(const std::string& instance, const char* array) override {
+    static_assert(std::endian::native == std::endian::little,
+                  "a word's bits begin in its first byte");
+    const std::string scope = std::string(top_->name()) + ".engine." + instance;
+    const VerilatedScope* const found = context_->scopeFind(scope.c_str());
+    const VerilatedVar* const memory = found == nullptr ? nullptr : found->varFind(array);
+    if (memory == nullptr || memory->udims() != 1) {
+      throw std::logic_error("engine.sv shows no memory " + scope + "." + array);
+    }
+    return {static_cast<std::byte*>(memory->datap()), memory->unpacked().elements(),
+            memory->packed().elements(), static_cast<int>(memory->entSize())};
   }
 
  private:
