@@ -29,7 +29,8 @@ struct VectorStage {
 };
 using VectorStages = std::vector<VectorStage>;
 
-// The bits by which a row's sum is wider than a product: 48 bits in all for 12 and 16 (spmxv.sv).
+// The bits by which a row's sum is wider than a product: 48 bits in all for 12 and 16,
+// where engine.sv has 38 for 1024 nodes.
 inline constexpr int kRowGrowthBits = 20;
 
 // The bits of a magnitude that a multiplier takes; words of sign and magnitude are multiplied
@@ -51,7 +52,7 @@ void each_rank(const VectorStages& stages, int ranks, PathBuilder& path,
                const std::function<void(const Path&)>& take);
 
 // Gives `take` every kind of path between two registers of the configured engine: the SpMxV
-// sub-blocks as vp/fpga/rtl/spmxv.sv has them, the vector unit, the divider, host access, and the
+// sub-blocks of thesis Fig. 5.5, the vector unit, the divider, host access, and the
 // limits of the blocks. A path is valid until the next one is given. The device has to have delays.
 void each_path(const Clocking& c, const std::function<void(const Path&)>& take);
 

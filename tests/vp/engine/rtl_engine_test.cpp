@@ -4,6 +4,7 @@
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -188,6 +189,51 @@ void compare_contacts(const EngineSize& size, int systems, std::uint64_t seed) {
   pair.print(size.name);
 }
 
+// An aborted solve leaves the same x in both, whichever state it was in, and the next one is as any
+// other, with the same matrix or another one.
+void compare_aborts(const EngineSize& size, std::uint64_t seed) {
+  Pair pair(size);
+  Random random(seed);
+  Settings settings = settings_of(size);
+  settings.replace_residual_every = 2;
+  settings.iterations = 4;
+  fixed::QuantisedMatrix matrix;
+  std::set<engine::State> states;
+  int aborts = 0;
+  for (std::int64_t clocks = 1; clocks < 3000; clocks += 7) {
+    SCOPED_TRACE("clock " + std::to_string(clocks));
+    settings.start = clocks % 2 == 0 ? fixed::Start::extrapolated : fixed::Start::warm;
+    if (matrix.block_rows() == 0 || random.below(3) == 0) {
+      matrix = hvp::test::random_matrix(40 + random.below(20), 8, size.matrix_bits, random);
+      pair.load(matrix, settings);
+      ++pair.systems;
+    }
+    pair.write_x(words(matrix.rows(), size.vector_bits, random));
+    pair.write_b(words(matrix.rows(), size.vector_bits, random));
+    pair.start(settings);
+    sc_core::sc_start(static_cast<double>(10 * clocks + 5), sc_core::SC_NS);
+    if (!pair.engine.idle()) {
+      states.insert(pair.engine.sequencer().state());
+      ++aborts;
+      pair.both.abort();
+      pair.engine.abort();
+      ASSERT_EQ(pair.both.difference(), "");
+    } else {
+      pair.both.end_solve();
+      ASSERT_EQ(pair.both.difference(), "");
+    }
+    if (random.below(4) == 0) {
+      pair.write_x(words(matrix.rows(), size.vector_bits, random));
+      pair.solve(settings);
+      if (testing::Test::HasFatalFailure()) return;
+    }
+    if (states.size() == engine::kStates - 1 && aborts > 150) break;
+  }
+  EXPECT_EQ(states.size(), engine::kStates - 1) << "some state was not aborted";
+  std::printf("%d aborts\n", aborts);
+  pair.print(size.name);
+}
+
 class RtlSizes : public testing::TestWithParam<const EngineSize*> {};
 
 // HVP_RTL_SYSTEMS makes it more, for a night.
@@ -198,6 +244,7 @@ int systems() {
 
 TEST_P(RtlSizes, AgreeOnRandomSystems) { compare_random_systems(*GetParam(), systems(), 1); }
 TEST_P(RtlSizes, StopAtTheThreshold) { compare_thresholds(*GetParam(), 60, 2); }
+TEST_P(RtlSizes, AgreeWhereverASolveIsAborted) { compare_aborts(*GetParam(), 5); }
 TEST_P(RtlSizes, AgreeOnContacts) { compare_contacts(*GetParam(), 60, 3); }
 
 INSTANTIATE_TEST_SUITE_P(Engine, RtlSizes, testing::ValuesIn(test::sizes()),
