@@ -137,7 +137,7 @@ locked() { # directory command…
 # it looks for new ones.
 configured_for() { # preset
   printf '%s\n' "$top" "$build/$1"
-  (cd "$top" && printf '%s\n' vp/fpga/rtl/engine/*.sv)
+  (cd "$top" && printf '%s\n' vp/fpga/rtl/*.sv vp/fpga/rtl/engine/*.sv)
   installed_packages
 }
 
