@@ -272,6 +272,10 @@ results::Outcome simulate(Scene& scene, const RunOptions& options) {
 
   std::optional<results::WaveformFile> waveform;
   if (s.output.waveform) waveform.emplace(directory, "engine");
+  std::optional<results::WaveformFile> rtl_waveform;
+  if (s.output.waveform && s.fidelity.accelerator == vp::Timing::rtl) {
+    rtl_waveform.emplace(directory, "engine", results::WaveformFormat::fst);
+  }
   vp::Platform platform(
       platform_settings(scene, waveform ? waveform->tracer_file() : std::string()), body_of(scene),
       registers ? &*registers : nullptr);
@@ -344,6 +348,7 @@ results::Outcome simulate(Scene& scene, const RunOptions& options) {
   if (deformation) deformation->finish();
   platform.close_waveform();
   if (waveform) waveform->finish();
+  if (rtl_waveform) rtl_waveform->finish();
   results::Outcome outcome =
       outcome_of(platform, scene, latency, *contact,
                  accuracy ? std::optional(accuracy->accuracy()) : std::nullopt);

@@ -105,10 +105,12 @@ void BoardAssembly::trace() {
   if (accelerator_.engine() == nullptr) {
     throw InputError("waveform", "only the cycle-accurate accelerator has one");
   }
-  waveform_ = std::make_unique<engine::EngineTrace>(
-      "waveform", *accelerator_.engine(), waveform.file,
-      engine::TraceWindow{[this] { return accelerator_.frame(); }, waveform.first_frame,
-                          waveform.first_frame + waveform.frames - 1});
+  const engine::TraceWindow window{[this] { return accelerator_.frame(); }, waveform.first_frame,
+                                   waveform.first_frame + waveform.frames - 1};
+  waveform_ = std::make_unique<engine::EngineTrace>("waveform", *accelerator_.engine(),
+                                                    waveform.file, window);
+  // An explanation builds the platform without a file.
+  if (!waveform.file.empty()) accelerator_.open_rtl_waveform(waveform.file + ".fst", window);
 }
 
 namespace {
