@@ -109,8 +109,7 @@ void BoardAssembly::trace() {
                                    waveform.first_frame + waveform.frames - 1};
   waveform_ = std::make_unique<engine::EngineTrace>("waveform", *accelerator_.engine(),
                                                     waveform.file, window);
-  // An explanation builds the platform without a file.
-  if (!waveform.file.empty()) accelerator_.open_rtl_waveform(waveform.file + ".fst", window);
+  accelerator_.open_rtl_waveform(waveform.file + ".fst", window);
 }
 
 namespace {

@@ -182,6 +182,10 @@ TEST_F(Engine, InSystemVerilogHasAWaveformOfItsOwn) {
   const std::string fst = file("engine.fst");
   EXPECT_GT(fst.size(), 10'000U);
   EXPECT_THAT(names(folder()), Not(Contains("engine.part.fst")));
+  // What only looks at the scenario leaves no file.
+  hvp(place(), {"explain", "s.toml", "--set", "fidelity.accelerator=rtl", "--set",
+                "output.waveform.frames=2"});
+  EXPECT_THAT(names(place()), testing::UnorderedElementsAre("out", "s.toml"));
   // A second run has the same bytes.
   at_rtl();
   EXPECT_TRUE(file("engine.fst") == fst);

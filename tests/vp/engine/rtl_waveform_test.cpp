@@ -191,5 +191,19 @@ TEST(RtlWaveform, HasTheValuesOfTheCycleAccurateOneUnderTheSameNames) {
   EXPECT_TRUE(fst.changes.contains("TOP.engine.matrix.g_partition[4].spmxv.position"));
 }
 
+TEST(RtlWaveform, IsThereWithoutAnEdge) {
+  const std::filesystem::path path =
+      std::filesystem::temp_directory_path() / ("hvp_rtl_no_edge_" + std::to_string(::getpid()));
+  Pair pair(kEngineThesis);
+  const engine::TraceWindow window{[] { return 0; }, 0, 0};
+  pair.both.open_waveform(path.string(), window);
+  EXPECT_FALSE(std::filesystem::exists(path));
+  pair.both.close_waveform();
+  const ValueChanges fst = read_fst(path);
+  std::filesystem::remove(path);
+  EXPECT_TRUE(fst.changes.contains("SystemC.engine.clock_edge"));
+  EXPECT_TRUE(fst.changes.contains("TOP.engine.clock"));
+}
+
 }  // namespace
 }  // namespace hvp::vp::rtl::rtl_waveform_test

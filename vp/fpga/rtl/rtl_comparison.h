@@ -41,7 +41,10 @@ class RtlComparison : public fixed::Observer {
 
   // Shows the RTL engine in `path` from now on, as RtlWaveform does, until close_waveform().
   void open_waveform(const std::string& path, const engine::TraceWindow& window);
-  void close_waveform() { waveform_.reset(); }
+  void close_waveform() {
+    if (waveform_) waveform_->close();
+    waveform_.reset();
+  }
 
   RtlEngine& rtl() { return rtl_; }
   // The first difference, with register or word, clock and both values; empty if there is none.

@@ -23,7 +23,7 @@ std::uint32_t value_of(const Cells& cells, int index = 0) {
 
 RtlWaveform::RtlWaveform(RtlEngine& engine, const std::string& scope, const std::string& path,
                          const engine::TraceWindow& window, std::int64_t period_ps)
-    : engine_(engine), window_(window), period_ps_(period_ps) {
+    : engine_(engine), path_(path), window_(window), period_ps_(period_ps) {
   EngineModel& model = engine.model();
   scalar_exponent_ = model.cells("sequence_of_passes", "scalar_exponent");
   clocks_left_ = model.cells("sequence_of_passes", "clocks_left");
@@ -34,12 +34,22 @@ RtlWaveform::RtlWaveform(RtlEngine& engine, const std::string& scope, const std:
                       model.cells(component, "q_write"), model.cells(component, "q_address")});
   }
   declare("SystemC." + scope + ".");
-  model.open_waveform(path, shown_);
   engine.watch([this] { edge(); });
 }
 
 RtlWaveform::~RtlWaveform() {
   engine_.watch({});
+  if (opened_) engine_.model().close_waveform();
+}
+
+void RtlWaveform::open() {
+  if (opened_) return;
+  opened_ = true;
+  engine_.model().open_waveform(path_, shown_);
+}
+
+void RtlWaveform::close() {
+  open();
   engine_.model().close_waveform();
 }
 
@@ -147,6 +157,7 @@ void RtlWaveform::note_written_node() {
 }
 
 void RtlWaveform::edge() {
+  open();
   time_ps_ += period_ps_;
   if (counts_) ++edges_;
   note_written_node();

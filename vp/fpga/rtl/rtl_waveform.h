@@ -16,13 +16,17 @@ namespace hvp::vp::rtl {
 // values at the same times. A memory shows in the words that lane 0 wrote last.
 class RtlWaveform {
  public:
-  // `scope` is the cycle-accurate engine's full name. Throws std::runtime_error where the file
-  // cannot be written, and std::logic_error where the translation has no tracing.
+  // `scope` is the cycle-accurate engine's full name. The file is there from the first edge on,
+  // whose order throws std::runtime_error where it cannot be written and std::logic_error where the
+  // translation has no tracing.
   RtlWaveform(RtlEngine& engine, const std::string& scope, const std::string& path,
               const engine::TraceWindow& window, std::int64_t period_ps);
   ~RtlWaveform();
   RtlWaveform(const RtlWaveform&) = delete;
   RtlWaveform& operator=(const RtlWaveform&) = delete;
+
+  // Completes the file, which is there then in any case.
+  void close();
 
   // The edges that follow come a period each behind this time, and are those of an order that has
   // had `edges` already.
@@ -44,9 +48,12 @@ class RtlWaveform {
   void add(std::string name, int bits, std::function<std::int64_t()> value);
   void add_worth(std::string name, std::function<double()> value);
   void edge();
+  void open();
   void note_written_node();
 
   RtlEngine& engine_;
+  std::string path_;
+  bool opened_ = false;
   engine::TraceWindow window_;
   std::int64_t period_ps_;
 
