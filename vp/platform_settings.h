@@ -68,9 +68,10 @@ struct SystemSettings {
   }
 };
 
-// The frames in which the engine is traced into a VCD file. Cycle-accurate only.
+// The frames in which the cycle-accurate engine is traced into a VCD file and, at the level rtl,
+// the one in SystemVerilog into an FST file beside it.
 struct WaveformWindow {
-  std::string file;  // without its suffix ".vcd"
+  std::string file;  // without its suffix ".vcd" or ".fst"
   std::int64_t first_frame = 0;
   std::int64_t frames = 1;
 };

@@ -115,16 +115,22 @@ int run_command(const RunArguments& arguments) {
   results::create_folder(out, "--out");
   const results::FolderLock lock(out);
   const results::DeferredInterruption deferred;
+  // The level rtl has the words and clocks of cycle-accurate, takes ten times as long, and refuses
+  // some of what could help.
+  RunArguments retried = arguments;
+  if (loaded.scenario.fidelity.accelerator == vp::Timing::rtl) {
+    retried.overrides.emplace_back("fidelity.accelerator=cycle-accurate");
+  }
   results::Outcome outcome;
   try {
-    const Rebuild rebuild = [&arguments](const std::vector<std::string>& overrides) {
-      RunArguments changed = arguments;
+    const Rebuild rebuild = [&retried](const std::vector<std::string>& overrides) {
+      RunArguments changed = retried;
       changed.overrides.insert(changed.overrides.end(), overrides.begin(), overrides.end());
       return std::make_unique<Scene>(build_scene(load(changed), {}, Scene::Limits::reported));
     };
-    const auto again = [&arguments](bool searches) -> Rerun {
-      return [&arguments, searches](const std::vector<std::string>& changes) {
-        return whole_run(arguments, changes, searches);
+    const auto again = [&retried](bool searches) -> Rerun {
+      return [&retried, searches](const std::vector<std::string>& changes) {
+        return whole_run(retried, changes, searches);
       };
     };
     outcome = run(scene, {out,

@@ -1,6 +1,7 @@
 #include "app/results/board_records.h"
 
 #include <algorithm>
+#include <array>
 #include <boost/crc.hpp>
 #include <cstring>
 #include <fstream>
@@ -75,11 +76,44 @@ void blank_date(std::fstream& file) {
   file << std::string(line.size(), ' ');
 }
 
+// An FST file is a row of sections: a byte that says what it is, and the length of the rest in
+// eight bytes, the most significant one first. A whole file ends with a section.
+bool ends_with_a_section(std::fstream& file) {
+  file.seekg(0, std::ios::end);
+  const auto size = static_cast<std::uint64_t>(file.tellg());
+  std::uint64_t position = 0;
+  while (position < size) {
+    std::array<unsigned char, 9> head{};
+    file.seekg(static_cast<std::streamoff>(position));
+    file.read(reinterpret_cast<char*>(head.data()), head.size());
+    if (!file) return false;
+    std::uint64_t length = 0;
+    for (std::size_t i = 1; i < head.size(); ++i) length = length << 8U | head.at(i);
+    if (length == 0 || length > size - position - 1) return false;
+    position += 1 + length;
+  }
+  return position > 0;
+}
+
+// In the file's first section.
+void blank_fst_date(std::fstream& file) {
+  constexpr std::streamoff kDate = 202;
+  constexpr std::size_t kDateBytes = 119;
+  file.seekp(kDate);
+  file << std::string(kDateBytes, '\0');
+}
+
+std::string_view suffix(WaveformFormat format) {
+  return format == WaveformFormat::vcd ? "vcd" : "fst";
+}
+
 }  // namespace
 
-WaveformFile::WaveformFile(const std::filesystem::path& folder, std::string_view name)
-    : part_(folder / fmt::format("{}.part.vcd", name)),
-      path_(folder / fmt::format("{}.vcd", name)) {}
+WaveformFile::WaveformFile(const std::filesystem::path& folder, std::string_view name,
+                           WaveformFormat format)
+    : format_(format),
+      part_(folder / fmt::format("{}.part.{}", name, suffix(format))),
+      path_(folder / fmt::format("{}.{}", name, suffix(format))) {}
 
 WaveformFile::~WaveformFile() {
   if (finished_) return;
@@ -95,7 +129,15 @@ std::string WaveformFile::tracer_file() const {
 void WaveformFile::finish() {
   {
     std::fstream file(part_.path(), std::ios::binary | std::ios::in | std::ios::out);
-    if (file && ends_with_a_line(file)) blank_date(file);
+    if (format_ == WaveformFormat::fst) {
+      if (file && ends_with_a_section(file)) {
+        blank_fst_date(file);
+      } else {
+        file.setstate(std::ios::failbit);
+      }
+    } else if (file && ends_with_a_line(file)) {
+      blank_date(file);
+    }
     file.close();
     if (!file) throw std::runtime_error(fmt::format("cannot write {}", path_.string()));
   }

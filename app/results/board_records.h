@@ -49,16 +49,19 @@ class DmaLog : public vp::MasterObserver {
 void trace_dma(vp::DmaEngine* engine, vp::MasterObserver& lanes,
                const std::filesystem::path& folder, std::optional<DmaLog>& log);
 
-// <name>.vcd. SystemC's tracer opens, writes and closes it under another name; finish() renames it,
-// and the destructor removes a file that was not finished.
+enum class WaveformFormat { vcd, fst };
+
+// <name>.vcd or <name>.fst. A tracer opens, writes and closes it under another name; finish()
+// renames it, and the destructor removes a file that was not finished.
 class WaveformFile {
  public:
-  WaveformFile(const std::filesystem::path& folder, std::string_view name);
+  WaveformFile(const std::filesystem::path& folder, std::string_view name,
+               WaveformFormat format = WaveformFormat::vcd);
   ~WaveformFile();
   WaveformFile(const WaveformFile&) = delete;
   WaveformFile& operator=(const WaveformFile&) = delete;
 
-  // The tracer's file name, to which the tracer adds ".vcd".
+  // The tracer's file name, to which the tracer adds ".vcd" or ".fst".
   std::string tracer_file() const;
   // Call it after the tracer has closed its file. Blanks the date in the header, so that the same
   // scenario gives the same bytes, and gives the file its name. Throws std::runtime_error where the
@@ -66,6 +69,7 @@ class WaveformFile {
   void finish();
 
  private:
+  WaveformFormat format_;
   UnfinishedFile part_;
   std::filesystem::path path_;
   bool finished_ = false;

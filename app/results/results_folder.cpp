@@ -34,6 +34,7 @@ constexpr std::array kResultNames = {
     std::string_view("deformation.pvd"), std::string_view("deformation.png"),
     std::string_view("latency.png"),     std::string_view("loop.png"),
     std::string_view("engine.vcd"),      std::string_view("engine.part.vcd"),
+    std::string_view("engine.fst"),      std::string_view("engine.part.fst"),
     std::string_view("registers.vcd"),   std::string_view("registers.part.vcd"),
     std::string_view("jobs.hvpf"),       std::string_view("jobs.hvpu"),
     std::string_view("dma.log"),         std::string_view("engine-port.txt")};

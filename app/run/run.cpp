@@ -272,6 +272,10 @@ results::Outcome simulate(Scene& scene, const RunOptions& options) {
 
   std::optional<results::WaveformFile> waveform;
   if (s.output.waveform) waveform.emplace(directory, "engine");
+  std::optional<results::WaveformFile> rtl_waveform;
+  if (s.output.waveform && s.fidelity.accelerator == vp::Timing::rtl) {
+    rtl_waveform.emplace(directory, "engine", results::WaveformFormat::fst);
+  }
   vp::PlatformSettings settings =
       platform_settings(scene, waveform ? waveform->tracer_file() : std::string());
   std::optional<results::PartStream> port;
@@ -354,6 +358,7 @@ results::Outcome simulate(Scene& scene, const RunOptions& options) {
   platform.close_waveform();
   if (waveform) waveform->finish();
   if (port) port->finish();
+  if (rtl_waveform) rtl_waveform->finish();
   results::Outcome outcome =
       outcome_of(platform, scene, latency, *contact,
                  accuracy ? std::optional(accuracy->accuracy()) : std::nullopt);

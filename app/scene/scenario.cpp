@@ -93,13 +93,15 @@ void Output::declare(config::Visitor& v) {
   v.boolean("remedies", remedies,
             {"of a run with flags, try what would take them away: some seconds of processor time",
              "a run that is looked at"});
-  v.effect("waveform", waveform,
-           {"engine.vcd, for GTKWave: what the engine does at every clock of some frames",
-            "no simulated time; a value change file of every clock of some frames",
-            {config::need_board(),
-             {"fidelity.accelerator",
-              {"cycle-accurate"},
-              "only a cycle-accurate accelerator has clocks to show"}}});
+  v.effect(
+      "waveform", waveform,
+      {"engine.vcd, for GTKWave: what the engine does at every clock of some frames; at the level "
+       "rtl also engine.fst, with all signals of the engine in SystemVerilog",
+       "no simulated time; a value change file of every clock of some frames",
+       {config::need_board(),
+        {"fidelity.accelerator",
+         {"cycle-accurate", "rtl"},
+         "only an accelerator with every clock has some to show"}}});
   v.effect(
       "engine_port", engine_port,
       {"engine-port.txt: what the host does to the port of the engine in SystemVerilog, and what "

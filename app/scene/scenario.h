@@ -81,7 +81,8 @@ struct Contact {
   void declare(config::Visitor& v);
 };
 
-// [output.waveform]: records the cycle-accurate engine, clock by clock, in engine.vcd.
+// [output.waveform]: records the cycle-accurate engine, clock by clock, in engine.vcd, and the one
+// in SystemVerilog in engine.fst.
 struct WaveformSettings {
   int first_frame = 0;
   int frames = 1;

@@ -106,10 +106,11 @@ void BoardAssembly::trace() {
   if (accelerator_.engine() == nullptr) {
     throw InputError("waveform", "only the cycle-accurate accelerator has one");
   }
-  waveform_ = std::make_unique<engine::EngineTrace>(
-      "waveform", *accelerator_.engine(), waveform.file,
-      engine::TraceWindow{[this] { return accelerator_.frame(); }, waveform.first_frame,
-                          waveform.first_frame + waveform.frames - 1});
+  const engine::TraceWindow window{[this] { return accelerator_.frame(); }, waveform.first_frame,
+                                   waveform.first_frame + waveform.frames - 1};
+  waveform_ = std::make_unique<engine::EngineTrace>("waveform", *accelerator_.engine(),
+                                                    waveform.file, window);
+  accelerator_.open_rtl_waveform(waveform.file + ".fst", window);
 }
 
 void BoardAssembly::record_port() {

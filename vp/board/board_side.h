@@ -95,7 +95,10 @@ class BoardAssembly {
   // The plan of the faults, which is made if there is none, also during the run.
   FaultPlan& plan_faults();
   BusErrors& bus_errors() { return bus_errors_; }
-  void close_waveform() { waveform_.reset(); }
+  void close_waveform() {
+    waveform_.reset();
+    accelerator_.close_rtl_waveform();
+  }
 
  private:
   void trace();

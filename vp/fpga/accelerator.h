@@ -92,6 +92,11 @@ class Accelerator : public sc_core::sc_module, private ListOwner {
   void record_port(EnginePortSink record) { timing_->record_port(std::move(record)); }
   // What the level rtl has compared; empty at other levels.
   std::optional<rtl::Compared> compared() const { return timing_->compared(); }
+  // A waveform of the RTL engine, as JobTiming says.
+  bool open_rtl_waveform(const std::string& path, const engine::TraceWindow& window) {
+    return timing_->open_rtl_waveform(path, window);
+  }
+  void close_rtl_waveform() { timing_->close_rtl_waveform(); }
   // The frame whose job or update was commanded last, -1 before the first.
   std::int64_t frame() const { return frame_; }
   // The finished job that took most clocks, at the levels with an engine.

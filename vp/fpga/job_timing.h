@@ -4,6 +4,7 @@
 #include <memory>
 #include <optional>
 #include <span>
+#include <string>
 #include <systemc>
 
 #include "models/accel/architecture.h"
@@ -12,6 +13,7 @@
 #include "models/fixed/solver.h"
 #include "vp/fidelity.h"
 #include "vp/fpga/engine/cycle_engine.h"
+#include "vp/fpga/engine/engine_trace.h"
 #include "vp/fpga/engine_port_sink.h"
 #include "vp/fpga/rtl/compared.h"
 
@@ -70,6 +72,13 @@ class JobTiming {
   virtual const engine::CycleEngine* engine() const { return nullptr; }
   // What the level rtl has compared so far; empty at other levels.
   virtual std::optional<rtl::Compared> compared() const { return std::nullopt; }
+  // A waveform of the RTL engine, in GTKWave's format FST, until it is closed; false at other
+  // levels.
+  virtual bool open_rtl_waveform(const std::string& /*path*/,
+                                 const engine::TraceWindow& /*window*/) {
+    return false;
+  }
+  virtual void close_rtl_waveform() {}
 };
 
 // Makes the timing of this level. A module becomes a child of the module under construction. Throws

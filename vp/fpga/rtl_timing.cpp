@@ -66,6 +66,11 @@ class EveryRtlClock : public EveryClock {
     EveryClock::forget_previous();
   }
   std::optional<rtl::Compared> compared() const override { return both_.compared(); }
+  bool open_rtl_waveform(const std::string& path, const engine::TraceWindow& window) override {
+    both_.open_waveform(path, window);
+    return true;
+  }
+  void close_rtl_waveform() override { both_.close_waveform(); }
 
  private:
   rtl::RtlComparison both_;

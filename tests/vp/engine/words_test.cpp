@@ -344,6 +344,53 @@ TEST(Words, ASolveMayBeAbortedBetweenAnyTwoEdges) {
   }
 }
 
+// Words on their way into the copies of d are not written into those of the next matrix, which may
+// be smaller.
+TEST(Words, AnAbortLeavesNothingToTheNextMatrix) {
+  const fixed::QuantisedMatrix matrix = fixed::quantise(test::box_stiffness(2, 2, 2), 12);
+  const fixed::QuantisedMatrix smaller = fixed::quantise(test::box_stiffness(1, 1, 1), 12);
+  ASSERT_LT(smaller.rows(), matrix.rows());
+  const auto b = test::random_words(matrix.rows(), 3000, 5);
+  const auto less = test::random_words(smaller.rows(), 3000, 6);
+  CycleEngine engine("engine", {});
+  Settings s;
+  s.iterations = 1;
+  std::vector<std::int32_t> x(b.size()), of_smaller(less.size());
+  // x is zero behind a load, in the copies too.
+  const auto start = [&](const fixed::QuantisedMatrix& loaded,
+                         const std::vector<std::int32_t>& right) {
+    engine.load(loaded, s);
+    engine.write_b(right);
+    engine.start_solve(s);
+  };
+  start(matrix, b);
+  run_until_idle(engine);
+  const std::int64_t clocks = engine.clocks();
+  const auto solved = [&s](const fixed::QuantisedMatrix& of,
+                           const std::vector<std::int32_t>& right) {
+    return fixed::test::solve(s, of, right, std::vector<std::int32_t>(right.size(), 0)).x;
+  };
+  const std::vector<std::int32_t> expected = solved(matrix, b);
+  const std::vector<std::int32_t> expected_of_smaller = solved(smaller, less);
+  for (int edges = 0; edges < clocks; ++edges) {
+    SCOPED_TRACE("aborted after " + std::to_string(edges) + " edges");
+    start(matrix, b);
+    sc_core::sc_start(10 * edges + 5, sc_core::SC_NS);
+    engine.abort();
+    start(matrix, b);
+    run_until_idle(engine);
+    engine.read_x(x);
+    ASSERT_EQ(x, expected);
+    start(matrix, b);
+    sc_core::sc_start(10 * edges + 5, sc_core::SC_NS);
+    engine.abort();
+    start(smaller, less);
+    run_until_idle(engine);
+    engine.read_x(of_smaller);
+    ASSERT_EQ(of_smaller, expected_of_smaller);
+  }
+}
+
 TEST(Words, WhatTheEngineCannotDoIsRefusedByKey) {
   CycleEngine engine("engine", {});
   const fixed::QuantisedMatrix matrix = fixed::quantise(test::box_stiffness(2, 2, 2), 12);

@@ -250,6 +250,9 @@ void CycleEngine::abort() {
   editor_.abort();
   divider_.reset();
   vectors_.reset();
+  // The words on their way into the copies arrive, as nothing stops them there; the next matrix has
+  // its own.
+  direction_.clocked(vectors_.direction_write.next());
   for (const auto& block : blocks_) block->reset();
 }
 

@@ -41,7 +41,11 @@ class Divider : public sc_core::sc_module {
   // fixed::shortest_division(settings).
   void configure(const fixed::Settings& settings, int clocks);
   void clocked();
-  void reset() { busy_ = false; }
+  // A command that it has not taken yet is not wanted any more.
+  void reset() {
+    busy_ = false;
+    command_.number = command->next().number;
+  }
   fixed::Report& report() { return report_; }
   bool busy() const { return busy_; }
 

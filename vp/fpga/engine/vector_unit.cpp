@@ -217,7 +217,8 @@ void VectorUnit::write_back() {
   done_nodes_ += count;
   if (lanes_.command().hold || count == 0) return;
   const ProductWords* const words = &back_words_[slot * at(architecture_.nodes_per_clock)];
-  written_node_ = words->node;
+  const auto lane = [this](const ProductWords& row) { return bank_[at(row.node)]; };
+  written_node_ = std::ranges::min_element(words, words + count, {}, lane)->node;
   for (int i = 0; i < count; ++i) {
     std::ranges::copy(words[i].q, lanes_.memories().q.begin() + 3 * words[i].node);
   }

@@ -53,7 +53,7 @@ class VectorUnit : public sc_core::sc_module {
   // For traces.
   int position() const { return next_node_; }
   Pass pass() const { return running_ ? lanes_.command().pass : Pass::none; }
-  // The node whose words lane 0 wrote last.
+  // The node whose words were written last, of several the one in the first lane.
   int written_node() const { return written_node_; }
 
  private:

@@ -6,6 +6,7 @@
 #include <string>
 
 #include "models/accel/architecture.h"
+#include "vp/fpga/rtl/shown_signals.h"
 
 namespace hvp::vp::rtl {
 
@@ -61,8 +62,8 @@ struct EnginePorts {
   std::int64_t room_waits = 0;  // for room for a finished row
 };
 
-// A memory as the translation stores it: words from address 0 on, each in `bytes`, with bit 0 first
-// and the bits beyond `width` zero.
+// A memory, or a register of one word, as the translation stores it: words from address 0 on, each
+// in `bytes`, with bit 0 first and the bits beyond `width` zero.
 struct Cells {
   std::byte* first = nullptr;
   int count = 0;
@@ -86,9 +87,17 @@ class EngineModel {
   virtual void tick() = 0;
   // Lets the inputs act on the outputs without an edge.
   virtual void settle() = 0;
-  // The memory `array` of an instance below engine.sv, "vectors.g_lane[0]" for example. Throws
+  // The memory or register of an instance below engine.sv, "vectors.g_lane[0]" for example. Throws
   // std::logic_error unless engine/memories.vlt names it.
-  virtual Cells cells(const std::string& instance, const char* array) = 0;
+  virtual Cells cells(const std::string& instance, const char* variable) = 0;
+
+  // A waveform of all signals and of `shown`, which has to stay in place, in the format FST. Throws
+  // std::logic_error where the translation has no tracing, std::runtime_error where the file
+  // cannot be written.
+  virtual void open_waveform(const std::string& path, const ShownSignals& shown) = 0;
+  // Writes what has changed; times have to grow.
+  virtual void dump(std::int64_t time_ps) = 0;
+  virtual void close_waveform() = 0;
 
   EnginePorts ports;
 };

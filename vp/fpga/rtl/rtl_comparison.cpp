@@ -25,6 +25,8 @@ stability::Flags of_hardware(stability::Flags flags) {
   return flags.without(Flag::zero_diagonal).without(Flag::negative_curvature);
 }
 
+std::int64_t now_ps() { return static_cast<std::int64_t>(sc_core::sc_time_stamp().value()); }
+
 }  // namespace
 
 void RtlComparison::load(const fixed::QuantisedMatrix& matrix, const fixed::Settings& settings) {
@@ -32,14 +34,27 @@ void RtlComparison::load(const fixed::QuantisedMatrix& matrix, const fixed::Sett
   rtl_.load(matrix, settings);
 }
 
-void RtlComparison::write_x(std::span<const std::int32_t> words) {
+void RtlComparison::open_waveform(const std::string& path, const engine::TraceWindow& window) {
+  waveform_ = std::make_unique<RtlWaveform>(rtl_, engine_.name(), path, window, period_ps());
+}
+
+std::int64_t RtlComparison::period_ps() const {
+  return static_cast<std::int64_t>(engine_.clock().period().value());
+}
+
+void RtlComparison::begin_copy() {
   copied_from_ = sc_core::sc_time_stamp();
+  if (waveform_) waveform_->begin_copy(now_ps());
+}
+
+void RtlComparison::write_x(std::span<const std::int32_t> words) {
+  begin_copy();
   rtl_.write_x(words);
 }
 
 std::int64_t RtlComparison::edges_since(const sc_core::sc_time& time) const {
   const sc_core::sc_time passed = sc_core::sc_time_stamp() - time;
-  return static_cast<std::int64_t>(passed.value() / engine_.clock().period().value());
+  return static_cast<std::int64_t>(passed.value()) / period_ps();
 }
 
 void RtlComparison::start_solve(const fixed::Settings& settings) {
@@ -50,6 +65,10 @@ void RtlComparison::start_solve(const fixed::Settings& settings) {
   room_waits_ = room_waits();
   rtl_.start_solve(settings);
   ++started_solves_;
+  if (waveform_) {
+    waveform_->set_job(started_solves_);
+    waveform_->begin_order(now_ps() + waited_ * period_ps(), waited_);
+  }
   solving_ = true;
   matrix_is_compared_ = false;
   compare_words(Vector::b, engine_.vector_unit().memories().b);
@@ -179,7 +198,6 @@ void RtlComparison::compare_x() {
 
 void RtlComparison::end_solve() {
   solving_ = false;
-  copied_from_ = sc_core::sc_time_stamp();
   if (!difference_.empty()) return;
   rtl_.run_to_end();
   ++compared_.solves;
@@ -211,17 +229,20 @@ void RtlComparison::end_solve() {
   // The engine begins to copy x at the instant of the end, and may be through by now.
   const bool copies = engine_.sequencer().state() == engine::State::copy;
   if (copies && edges_since(started_) == engine_.clocks()) compare_direction();
+  begin_copy();
   rtl_.copy_x();
   if (!copies) compare_direction();
 }
 
 void RtlComparison::constrain(int node, std::int32_t diagonal) {
+  if (waveform_) waveform_->begin_order(now_ps(), 0);
   compare("the number of clocks in which node " + std::to_string(node) + " is constrained",
           rtl_.constrain(node, diagonal), engine_.update_clocks());
   ++compared_.updates;
 }
 
 void RtlComparison::restore(int node, std::span<const std::int32_t> row) {
+  if (waveform_) waveform_->begin_order(now_ps(), 0);
   compare("the number of clocks in which node " + std::to_string(node) + " is restored",
           rtl_.restore(node, row), engine_.update_clocks());
   ++compared_.updates;
@@ -238,7 +259,10 @@ void RtlComparison::abort() {
     // Before an iteration some words are those of the job before, or of nobody.
     if (rtl_.ports().iterations_made > 0) {
       compare_vectors();
-      compare_direction();
+      // A memory with two ports takes a word of d a clock after the model.
+      const bool at_once =
+          engine_.architecture().direction_memory == accel::DirectionMemory::double_pumped;
+      if (at_once) compare_direction();
     }
   }
   solving_ = false;

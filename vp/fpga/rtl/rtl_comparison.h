@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <memory>
 #include <span>
 #include <string>
 #include <vector>
@@ -9,6 +10,7 @@
 #include "vp/fpga/engine/cycle_engine.h"
 #include "vp/fpga/rtl/compared.h"
 #include "vp/fpga/rtl/rtl_engine.h"
+#include "vp/fpga/rtl/rtl_waveform.h"
 
 namespace hvp::vp::rtl {
 
@@ -37,6 +39,13 @@ class RtlComparison : public fixed::Observer {
   // To be called before the engine's abort(): the solve has had as many clocks in both.
   void abort();
 
+  // Shows the RTL engine in `path` from now on, as RtlWaveform does, until close_waveform().
+  void open_waveform(const std::string& path, const engine::TraceWindow& window);
+  void close_waveform() {
+    if (waveform_) waveform_->close();
+    waveform_.reset();
+  }
+
   RtlEngine& rtl() { return rtl_; }
   // The first difference, with register or word, clock and both values; empty if there is none.
   const std::string& difference() const { return difference_; }
@@ -47,6 +56,9 @@ class RtlComparison : public fixed::Observer {
  private:
   // The edges of the engine's clock since then.
   std::int64_t edges_since(const sc_core::sc_time& time) const;
+  std::int64_t period_ps() const;
+  // The engine copies x from this instant on.
+  void begin_copy();
   void compare(const std::string& what, std::int64_t rtl, std::int64_t model);
   void compare_words(Vector vector, std::span<const std::int32_t> model);
   void compare_direction();
@@ -61,6 +73,7 @@ class RtlComparison : public fixed::Observer {
 
   engine::CycleEngine& engine_;
   RtlEngine rtl_;
+  std::unique_ptr<RtlWaveform> waveform_;  // null: none is asked for
   std::vector<std::int32_t> x_, model_x_;
   std::string difference_;
   Compared compared_;

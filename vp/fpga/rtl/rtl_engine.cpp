@@ -104,7 +104,10 @@ void RtlEngine::load(const fixed::QuantisedMatrix& matrix, const fixed::Settings
   write_places(layout, matrix);
   const std::vector<std::int32_t> zeros(3 * at(nodes_), 0);
   write_vector(Space::b, zeros);
+  // No clocks of the engine: the cycle-accurate one has no such copy.
+  const std::function<void()> watcher = std::exchange(watcher_, {});
   write_x(zeros);
+  watcher_ = watcher;
 }
 
 void RtlEngine::write_places(const engine::Layout& layout, const fixed::QuantisedMatrix& matrix) {
@@ -146,7 +149,7 @@ std::int64_t RtlEngine::edit(int node, bool restores, std::int32_t diagonal) {
   ports_.edit = false;
   std::int64_t clocks = 0;
   while (ports_.editing) {
-    model_->tick();
+    tick();
     if (++clocks == kHangs) throw std::logic_error("the RTL engine's matrix editor has no end");
   }
   tell('e', clocks);
@@ -211,7 +214,7 @@ void RtlEngine::copy_x() {
   ports_.copy = false;
   copy_clocks_ = 0;
   while (!idle()) {
-    model_->tick();
+    tick();
     if (++copy_clocks_ == kHangs) throw std::logic_error("the RTL engine's copy of x has no end");
   }
   tell('c', copy_clocks_);
@@ -249,9 +252,14 @@ void RtlEngine::start_solve(const fixed::Settings& settings) {
   record_solve();
 }
 
+void RtlEngine::tick() {
+  model_->tick();
+  if (watcher_) watcher_();
+}
+
 void RtlEngine::solve_clock() {
   ++state_clocks_[at(ports_.state)];
-  model_->tick();
+  tick();
   if (++clocks_ == kHangs) throw std::logic_error("the RTL engine's solve has no end");
   record_solve();
 }

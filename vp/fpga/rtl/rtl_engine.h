@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <memory>
 #include <span>
+#include <utility>
 #include <vector>
 
 #include "models/accel/architecture.h"
@@ -58,6 +59,11 @@ class RtlEngine {
   std::int64_t constrain(int node, std::int32_t diagonal);
   std::int64_t restore(int node, std::span<const std::int32_t> row);
 
+  // Called behind each edge of a solve, of a copy of x and of a change of the matrix; empty:
+  // nobody.
+  void watch(std::function<void()> edge) { watcher_ = std::move(edge); }
+  EngineModel& model() { return *model_; }
+
   bool idle() const { return ports_.state == 0; }
   std::int64_t clocks() const { return clocks_; }  // of the last solve, without a wait for x
   std::int64_t copy_clocks() const { return copy_clocks_; }
@@ -85,6 +91,7 @@ class RtlEngine {
   void solve_clock();
   void record_solve();
   void tell(char what, std::int64_t first, std::int64_t second = 0, std::int64_t third = 0) const;
+  void tick();
 
   const EngineSize& size_;
   accel::Architecture architecture_;
@@ -92,6 +99,7 @@ class RtlEngine {
   EnginePorts& ports_;
   EngineMemories memories_;
   fixed::Settings settings_;
+  std::function<void()> watcher_;
   int nodes_ = 0;
   std::int64_t clocks_ = 0;
   std::int64_t copy_clocks_ = 0;

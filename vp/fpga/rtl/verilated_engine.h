@@ -12,6 +12,7 @@ using sc_core::sc_time_stamp;
 #include <verilated_sym_props.h>
 
 #include "vp/fpga/rtl/engine_model.h"
+#include "vp/fpga/rtl/fst_file.h"
 
 namespace hvp::vp::rtl {
 
@@ -51,17 +52,34 @@ class VerilatedEngine : public EngineModel {
     ports.host_read = static_cast<std::int32_t>(top_->host_read);
   }
 
-  Cells cells(const std::string& instance, const char* array) override {
+  Cells cells(const std::string& instance, const char* variable) override {
     static_assert(std::endian::native == std::endian::little,
                   "a word's bits begin in its first byte");
     const std::string scope = std::string(top_->name()) + ".engine." + instance;
     const VerilatedScope* const found = context_->scopeFind(scope.c_str());
-    const VerilatedVar* const memory = found == nullptr ? nullptr : found->varFind(array);
-    if (memory == nullptr || memory->udims() != 1) {
-      throw std::logic_error("engine.sv shows no memory " + scope + "." + array);
+    const VerilatedVar* const memory = found == nullptr ? nullptr : found->varFind(variable);
+    if (memory == nullptr || memory->udims() > 1) {
+      throw std::logic_error("engine.sv shows no memory " + scope + "." + variable);
     }
-    return {static_cast<std::byte*>(memory->datap()), memory->unpacked().elements(),
-            memory->packed().elements(), static_cast<int>(memory->entSize())};
+    return {static_cast<std::byte*>(memory->datap()),
+            memory->udims() == 0 ? 1 : memory->unpacked().elements(),
+            memory->dims() == memory->udims() ? 1 : memory->packed().elements(),
+            static_cast<int>(memory->entSize())};
+  }
+
+  void open_waveform(const std::string& path, const ShownSignals& shown) override {
+    if constexpr (kTraced) {
+      context_->traceEverOn(true);
+      waveform_ = std::make_unique<FstFile>(path, *top_, shown);
+    } else {
+      throw std::logic_error("engine.sv was translated without tracing");
+    }
+  }
+  void dump(std::int64_t time_ps) override {
+    if constexpr (kTraced) waveform_->dump(time_ps);
+  }
+  void close_waveform() override {
+    if constexpr (kTraced) waveform_.reset();
   }
 
  private:
@@ -89,8 +107,11 @@ class VerilatedEngine : public EngineModel {
     ports.room_waits = top_->room_waits;
   }
 
+  static constexpr bool kTraced = requires(Top & top, VerilatedFstC* file) { top.trace(file, 1); };
+
   std::unique_ptr<VerilatedContext> context_;
   std::unique_ptr<Top> top_;
+  std::unique_ptr<FstFile> waveform_;
 };
 
 }  // namespace hvp::vp::rtl
