@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cstdint>
 #include <cstdio>
+#include <memory>
 #include <vector>
 
 #include <gtest/gtest.h>
@@ -43,33 +44,47 @@ inline fixed::Settings settings_of(const EngineSize& size) {
 }
 
 // Both engines, and what has been seen of them.
-class Pair {
+class Pair : public fixed::Observer {
  public:
-  explicit Pair(const EngineSize& size, int seed = 1)
-      : engine("engine", architecture_of(size)), both(engine, size, seed) {}
+  explicit Pair(const EngineSize& size)
+      : engine("engine", architecture_of(size)), both(engine, size, 1) {}
+
+  // From now on there are `count` more RTL engines beside, which begin with other values of all
+  // state; those that there were are gone. What they do is compared as well, from the next load()
+  // on.
+  void begin_others(int count) {
+    others.clear();
+    for (int i = 0; i < count; ++i) {
+      others.push_back(std::make_unique<RtlComparison>(engine, both.rtl().size(), ++last_seed_));
+    }
+  }
 
   void load(const fixed::QuantisedMatrix& matrix, const fixed::Settings& settings) {
-    both.load(matrix, settings);
+    for_each([&](RtlComparison& rtl) { rtl.load(matrix, settings); });
     engine.load(matrix, settings);
   }
   void write_x(const std::vector<std::int32_t>& x) {
-    both.write_x(x);
+    for_each([&](RtlComparison& rtl) { rtl.write_x(x); });
     engine.write_x(x);
   }
   void write_b(const std::vector<std::int32_t>& b) {
-    both.rtl().write_b(b);
+    for_each([&](RtlComparison& rtl) { rtl.rtl().write_b(b); });
     engine.write_b(b);
   }
   void start(const fixed::Settings& settings) {
-    both.start_solve(settings);
-    engine.start_solve(settings, &both);
+    for_each([&](RtlComparison& rtl) { rtl.start_solve(settings); });
+    engine.start_solve(settings, this);
+  }
+  void iteration(const fixed::IterationState& state) override {
+    for_each([&](RtlComparison& rtl) { rtl.iteration(state); });
   }
   void solve(const fixed::Settings& settings) {
     start(settings);
     sc_core::sc_start();
     ASSERT_TRUE(engine.idle());
-    both.end_solve();
+    for_each([&](RtlComparison& rtl) { rtl.end_solve(); });
     ASSERT_EQ(both.difference(), "");
+    for (const auto& other : others) ASSERT_EQ(other->difference(), "") << "with another start";
     ASSERT_EQ(engine.clocks(), both.waited() + both.rtl().clocks());
     ASSERT_EQ(both.rtl().copy_clocks(),
               engine.state_clocks()[static_cast<std::size_t>(engine::State::copy)]);
@@ -91,17 +106,28 @@ class Pair {
     std::printf(
         "%s: %d solves of %d systems, %lld clocks compared; %lld iterations, %d solves with "
         "clamped words, %d breakdowns, %d ended by the stop test, %d residuals formed anew, %d "
-        "holds, %lld clocks of full queues, %lld of packages that wait for the banks of d\n",
+        "holds, %lld clocks of full queues, %lld of packages that wait for the banks of d; "
+        "state began with %d sets of random values\n",
         name, solves, systems, static_cast<long long>(both.compared().clocks),
         static_cast<long long>(iterations), clamping, breakdowns, reached, replacements, holds,
-        static_cast<long long>(queue_stalls), static_cast<long long>(bank_stalls));
+        static_cast<long long>(queue_stalls), static_cast<long long>(bank_stalls), last_seed_);
   }
 
   engine::CycleEngine engine;
   RtlComparison both;
+  std::vector<std::unique_ptr<RtlComparison>> others;
   int systems = 0, solves = 0, clamping = 0, breakdowns = 0, reached = 0, replacements = 0,
       holds = 0;
   std::int64_t iterations = 0, queue_stalls = 0, bank_stalls = 0;
+
+ private:
+  template <class Action>
+  void for_each(const Action& action) {
+    action(both);
+    for (const auto& other : others) action(*other);
+  }
+
+  int last_seed_ = 1;
 };
 
 // Words up to some power of two, the most negative word among them.

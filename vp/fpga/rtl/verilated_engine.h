@@ -28,7 +28,12 @@ class VerilatedEngine : public EngineModel {
     top_->clock = 0;
     top_->eval();
   }
-  ~VerilatedEngine() override { top_->final(); }
+  ~VerilatedEngine() override {
+    // The class takes its names out of the thread's context, which may be that of another engine.
+    Verilated::threadContextp(context_.get());
+    top_->final();
+    top_.reset();
+  }
 
   void tick() override {
     top_->clock = 0;
