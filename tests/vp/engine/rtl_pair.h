@@ -54,7 +54,7 @@ class Pair {
     engine.write_x(x);
   }
   void write_b(const std::vector<std::int32_t>& b) {
-    both.rtl().write_b(b);
+    both.write_b(b);
     engine.write_b(b);
   }
   void start(const fixed::Settings& settings) {
@@ -68,6 +68,7 @@ class Pair {
     both.end_solve();
     ASSERT_EQ(both.difference(), "");
     ASSERT_EQ(engine.clocks(), both.waited() + both.rtl().clocks());
+    both.rtl().end_copy();
     ASSERT_EQ(both.rtl().copy_clocks(),
               engine.state_clocks()[static_cast<std::size_t>(engine::State::copy)]);
     const fixed::Report report = engine.report();

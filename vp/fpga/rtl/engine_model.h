@@ -1,7 +1,9 @@
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <memory>
+#include <string>
 
 namespace hvp::vp::rtl {
 
@@ -66,6 +68,12 @@ class EngineModel {
   virtual void tick() = 0;
   // Lets the inputs act on the outputs without an edge.
   virtual void settle() = 0;
+  // Flips a bit of an entry of a memory, or of a register, which has the entry 0: a variable of
+  // engine/flips.vlt in a module's instance. Throws std::logic_error where there is none.
+  virtual void flip(const std::string& instance, const char* variable, std::size_t entry,
+                    int bit) = 0;
+  // Clears a memory from this entry on.
+  virtual void clear(const std::string& instance, const char* variable, std::size_t first) = 0;
 
   EnginePorts ports;
 };

@@ -11,6 +11,8 @@ namespace {
 
 // The first state of a solve; a copy of x may have begun behind it.
 constexpr auto kFirstState = static_cast<std::size_t>(engine::State::guess);
+// The RTL engine gets so many clocks more to come to its end, for the difference to be named.
+constexpr std::int64_t kPatience = 100'000;
 
 std::int64_t solve_clocks(const engine::StateClocks& clocks) {
   return std::accumulate(clocks.begin() + kFirstState, clocks.end(), std::int64_t{0});
@@ -27,7 +29,13 @@ stability::Flags of_hardware(stability::Flags flags) {
 
 void RtlComparison::load(const fixed::QuantisedMatrix& matrix, const fixed::Settings& settings) {
   solving_ = false;
+  waits_ = false;
+  index_flips_.clear();
   rtl_.load(matrix, settings);
+}
+
+void RtlComparison::write_b(std::span<const std::int32_t> words) {
+  b_.assign(words.begin(), words.end());
 }
 
 void RtlComparison::write_x(std::span<const std::int32_t> words) {
@@ -42,10 +50,43 @@ std::int64_t RtlComparison::edges_since(const sc_core::sc_time& time) const {
 
 void RtlComparison::start_solve(const fixed::Settings& settings) {
   started_ = sc_core::sc_time_stamp();
-  const bool copies = engine_.sequencer().state() == engine::State::copy;
-  waited_ = copies ? rtl_.copy_clocks() - edges_since(copied_from_) : 0;
-  rtl_.start_solve(settings);
+  settings_ = settings;
   solving_ = true;
+  waits_ = true;
+  waited_ = 0;
+  if (engine_.sequencer().state() != engine::State::copy) begin_solve();
+}
+
+// The copy of x is over, some clocks behind the order.
+void RtlComparison::begin_solve() {
+  rtl_.end_copy();
+  waits_ = false;
+  const sc_core::sc_time& period = engine_.clock().period();
+  solve_from_ = std::max(started_, copied_from_ + static_cast<double>(rtl_.copy_clocks()) * period);
+  waited_ = static_cast<std::int64_t>(((solve_from_ - started_).value() + period.value() - 1) /
+                                      period.value());
+  if (!b_.empty()) rtl_.write_b(b_);
+  b_.clear();
+  rtl_.start_solve(settings_);
+}
+
+void RtlComparison::catch_up() {
+  rtl_.run_copy_until(edges_since(copied_from_));
+  if (waits_ && !rtl_.copying()) begin_solve();
+  if (solving_ && !waits_) rtl_.run_until(solve_edges());
+}
+
+void RtlComparison::flip(const engine::Flip& flip) {
+  if (!difference_.empty()) return;
+  catch_up();
+  using Place = engine::FlipPlace;
+  if (waits_ && flip.place == Place::b && !b_.empty()) {
+    std::int32_t& word = b_[3 * at(flip.node) + at(flip.component)];
+    word = static_cast<std::int32_t>(engine::flipped(word, flip.bit, settings_.vector_bits));
+    return;
+  }
+  if (flip.place >= Place::nodes && flip.place <= Place::last) index_flips_.push_back(flip);
+  rtl_.flip(flip);
 }
 
 void RtlComparison::compare(const std::string& what, std::int64_t rtl, std::int64_t model) {
@@ -57,7 +98,8 @@ void RtlComparison::compare(const std::string& what, std::int64_t rtl, std::int6
 
 void RtlComparison::iteration(const fixed::IterationState& state) {
   if (!difference_.empty()) return;
-  rtl_.run_iteration();
+  if (waits_) begin_solve();
+  rtl_.run_iteration(solve_edges());
   const EnginePorts& ports = rtl_.ports();
   compare("the iteration's number", ports.iterations_made, state.iteration);
   compare("dᵀ·A·d", ports.d_q, static_cast<std::int64_t>(state.d_q));
@@ -86,13 +128,14 @@ void RtlComparison::compare_x() {
 }
 
 void RtlComparison::end_solve() {
+  if (difference_.empty() && waits_) begin_solve();
   solving_ = false;
-  copied_from_ = sc_core::sc_time_stamp();
+  copied_from_ = engine_.ended();
   if (!difference_.empty()) return;
-  rtl_.run_to_end();
-  compared_clocks_ += rtl_.clocks();
   const engine::StateClocks& rtl = rtl_.state_clocks();
   const engine::StateClocks& model = engine_.state_clocks();
+  rtl_.run_until(solve_clocks(model) + kPatience);
+  compared_clocks_ += rtl_.clocks();
   for (std::size_t i = kFirstState; i < rtl.size(); ++i) {
     compare(std::string("the number of clocks in the state ") +
                 engine::name(static_cast<engine::State>(i)),
@@ -108,24 +151,35 @@ void RtlComparison::end_solve() {
   compare("the number of clamped words", is.saturations, should.saturations);
   compare("the number of breakdowns", is.breakdowns, should.breakdowns);
   compare("the set of flags", of_hardware(is.flags).bits(), of_hardware(should.flags).bits());
-  rtl_.copy_x();
+  rtl_.start_copy();
+}
+
+// The cycle-accurate engine's editor knows the pattern that was loaded: what has flipped in the
+// index words does not lead this one elsewhere.
+void RtlComparison::edit(int node, const std::function<std::int64_t()>& edited, const char* what) {
+  rtl_.end_copy();
+  for (const engine::Flip& flip : index_flips_) rtl_.flip(flip);
+  const std::int64_t clocks = edited();
+  for (const engine::Flip& flip : index_flips_) rtl_.flip(flip);
+  compare("the number of clocks in which node " + std::to_string(node) + " is " + what, clocks,
+          engine_.update_clocks());
 }
 
 void RtlComparison::constrain(int node, std::int32_t diagonal) {
-  compare("the number of clocks in which node " + std::to_string(node) + " is constrained",
-          rtl_.constrain(node, diagonal), engine_.update_clocks());
+  edit(
+      node, [&] { return rtl_.constrain(node, diagonal); }, "constrained");
 }
 
 void RtlComparison::restore(int node, std::span<const std::int32_t> row) {
-  compare("the number of clocks in which node " + std::to_string(node) + " is restored",
-          rtl_.restore(node, row), engine_.update_clocks());
+  edit(
+      node, [&] { return rtl_.restore(node, row); }, "restored");
 }
 
 void RtlComparison::abort() {
-  const bool compares =
-      solving_ && difference_.empty() && engine_.sequencer().state() != engine::State::copy;
-  if (compares) rtl_.run_until(edges_since(started_) - waited_);
+  if (difference_.empty()) catch_up();
+  const bool compares = solving_ && !waits_ && difference_.empty();
   solving_ = false;
+  waits_ = false;
   rtl_.abort();
   if (compares) compare_x();
 }

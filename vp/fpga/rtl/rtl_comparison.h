@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <span>
 #include <string>
 #include <vector>
@@ -14,7 +15,7 @@ namespace hvp::vp::rtl {
 // Runs the engine in SystemVerilog through the jobs of the cycle-accurate one and compares both:
 // after each iteration the scalars and exponents, which depend on every word of r, d and A·d; after
 // each job x, the report and the clocks of every state. The host's accesses have to be made to
-// both, to this one before the other.
+// both, to this one before the other. Bits that flip do so in both, and both go on equally wrong.
 class RtlComparison : public fixed::Observer {
  public:
   // Throws InputError as RtlEngine does.
@@ -22,6 +23,8 @@ class RtlComparison : public fixed::Observer {
       : engine_(engine), rtl_(size, engine.architecture(), seed) {}
 
   void load(const fixed::QuantisedMatrix& matrix, const fixed::Settings& settings);
+  // To be called before the engine's start_solve().
+  void write_b(std::span<const std::int32_t> words);
   // To be called before the engine's write_x(), as x goes into the copies of d from now on.
   void write_x(std::span<const std::int32_t> words);
   // To be called before the engine's start_solve(), which gets this as its observer.
@@ -32,6 +35,10 @@ class RtlComparison : public fixed::Observer {
   // To be called behind the engine's start_constraining() and start_restoring().
   void constrain(int node, std::int32_t diagonal);
   void restore(int node, std::span<const std::int32_t> row);
+  // To be called with the engine's carry_words().
+  void expect_flips() { rtl_.expect_flips(); }
+  // To be called before the engine's flip(), amid two edges.
+  void flip(const engine::Flip& flip);
   // To be called before the engine's abort(): the solve has had as many clocks in both.
   void abort();
 
@@ -47,15 +54,25 @@ class RtlComparison : public fixed::Observer {
   std::int64_t edges_since(const sc_core::sc_time& time) const;
   void compare(const std::string& what, std::int64_t rtl, std::int64_t model);
   void compare_x();
+  // Gives the RTL engine the clocks that the other one has had.
+  void catch_up();
+  void begin_solve();
+  std::int64_t solve_edges() const { return edges_since(solve_from_); }
+  void edit(int node, const std::function<std::int64_t()>& edited, const char* what);
 
   engine::CycleEngine& engine_;
   RtlEngine rtl_;
   std::vector<std::int32_t> x_, model_x_;
   std::string difference_;
   std::int64_t compared_clocks_ = 0;
-  sc_core::sc_time copied_from_, started_;
+  sc_core::sc_time copied_from_, started_, solve_from_;
   std::int64_t waited_ = 0;
   bool solving_ = false;
+  // The solve waits for x in the copies of d.
+  bool waits_ = false;
+  fixed::Settings settings_;
+  std::vector<std::int32_t> b_;
+  std::vector<engine::Flip> index_flips_;  // since the matrix was loaded
 };
 
 }  // namespace hvp::vp::rtl

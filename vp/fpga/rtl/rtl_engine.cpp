@@ -38,9 +38,13 @@ void RtlEngine::reset() {
   for (int i = 0; i < 3; ++i) model_->tick();
 }
 
-void RtlEngine::abort() { reset(); }
+void RtlEngine::abort() {
+  copying_ = false;
+  reset();
+}
 
 void RtlEngine::write(Space space, std::uint32_t address, std::int64_t word) {
+  end_copy();
   ports_.host_write = true;
   ports_.host_space = space;
   ports_.host_address = address;
@@ -89,6 +93,8 @@ void RtlEngine::load(const fixed::QuantisedMatrix& matrix, const fixed::Settings
   const std::vector<std::int32_t> zeros(3 * at(nodes_), 0);
   write_vector(Space::b, zeros);
   write_x(zeros);
+  has_solved_ = false;
+  if (expects_flips_) clear_q();
 }
 
 void RtlEngine::write_places(const engine::Layout& layout, const fixed::QuantisedMatrix& matrix) {
@@ -121,6 +127,7 @@ std::int64_t RtlEngine::restore(int node, std::span<const std::int32_t> row) {
 }
 
 std::int64_t RtlEngine::edit(int node, bool restores, std::int32_t diagonal) {
+  end_copy();
   set(10, node);
   set(11, restores ? 1 : 0);
   set(12, diagonal);
@@ -163,11 +170,13 @@ void RtlEngine::write_vector(Space space, std::span<const std::int32_t> words) {
 void RtlEngine::write_b(std::span<const std::int32_t> words) { write_vector(Space::b, words); }
 
 void RtlEngine::write_x(std::span<const std::int32_t> words) {
+  end_copy();
   write_vector(Space::x, words);
-  copy_x();
+  start_copy();
 }
 
 void RtlEngine::read_x(std::span<std::int32_t> words) {
+  end_copy();
   for (std::size_t node = 0; node < words.size() / 3; ++node) {
     ports_.host_address = static_cast<std::uint32_t>(node << 2U);
     model_->tick();
@@ -181,21 +190,30 @@ void RtlEngine::read_x(std::span<std::int32_t> words) {
 }
 
 void RtlEngine::forget_previous() {
+  end_copy();
   ports_.forget_previous = true;
   model_->tick();
   ports_.forget_previous = false;
 }
 
-void RtlEngine::copy_x() {
+void RtlEngine::start_copy() {
+  end_copy();
   ports_.copy = true;
   model_->tick();
   ports_.copy = false;
   copy_clocks_ = 0;
-  while (!idle()) {
+  copying_ = true;
+}
+
+void RtlEngine::run_copy_until(std::int64_t clocks) {
+  while (copying_ && copy_clocks_ < clocks) {
     model_->tick();
+    copying_ = !idle();
     if (++copy_clocks_ == kHangs) throw std::logic_error("the RTL engine's copy of x has no end");
   }
 }
+
+void RtlEngine::end_copy() { run_copy_until(kHangs); }
 
 void RtlEngine::set_all(const fixed::Settings& s) {
   const auto rounding = [](fixed::Rounding r) { return static_cast<int>(r); };
@@ -219,10 +237,12 @@ void RtlEngine::set_all(const fixed::Settings& s) {
 
 void RtlEngine::start_solve(const fixed::Settings& settings) {
   require_fitting(size_, settings);
+  end_copy();
   settings_ = settings;
   set_all(settings);
   clocks_ = 0;
   state_clocks_ = {};
+  has_solved_ = true;
   ports_.go = true;
   model_->tick();
   ports_.go = false;
@@ -234,16 +254,12 @@ void RtlEngine::solve_clock() {
   if (++clocks_ == kHangs) throw std::logic_error("the RTL engine's solve has no end");
 }
 
-bool RtlEngine::run_iteration() {
-  while (!idle()) {
+bool RtlEngine::run_iteration(std::int64_t most) {
+  while (!idle() && clocks_ < most) {
     solve_clock();
     if (ports_.iteration_made) return true;
   }
   return false;
-}
-
-void RtlEngine::run_to_end() {
-  while (!idle()) solve_clock();
 }
 
 void RtlEngine::run_until(std::int64_t clocks) {

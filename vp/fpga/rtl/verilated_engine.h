@@ -1,16 +1,46 @@
 #pragma once
 
+#include <algorithm>
+#include <cstdint>
 #include <memory>
+#include <span>
+#include <stdexcept>
+#include <string>
 
 // Verilator's headers take SystemC's clock for theirs and expect its name here.
 #include <systemc>
 using sc_core::sc_time_stamp;
 
 #include <verilated.h>
+#include <verilated_syms.h>
 
+#include "models/index.h"
 #include "vp/fpga/rtl/engine_model.h"
 
 namespace hvp::vp::rtl {
+
+// A variable that Verilator was told to leave accessible, as bytes, each entry in as many.
+struct VerilatedBytes {
+  std::span<std::uint8_t> bytes;
+  std::size_t entry_bytes = 0;
+
+  std::span<std::uint8_t> from(std::size_t entry) const {
+    return bytes.subspan(entry * entry_bytes);
+  }
+};
+
+// Throws std::logic_error where there is none.
+inline VerilatedBytes find_bytes(const VerilatedContext& context, const std::string& instance,
+                                 const char* variable) {
+  const VerilatedScope* const scope = context.scopeFind(("TOP.engine." + instance).c_str());
+  const VerilatedVar* const found = scope == nullptr ? nullptr : scope->varFind(variable);
+  if (found == nullptr) {
+    throw std::logic_error("engine.sv has no " + instance + "." + variable + " to be changed");
+  }
+  const std::size_t entries = found->udims() == 0 ? 1 : at(found->elements(1));
+  return {{static_cast<std::uint8_t*>(found->datap()), found->totalSize()},
+          found->totalSize() / entries};
+}
 
 // The class that Verilator has made of engine.sv in one size.
 template <class Top>
@@ -46,6 +76,16 @@ class VerilatedEngine : public EngineModel {
     top_->forget_previous = ports.forget_previous ? 1 : 0;
     top_->eval();
     ports.host_read = static_cast<std::int32_t>(top_->host_read);
+  }
+
+  // Words of 8 to 64 bits, and arrays of 32-bit words, are little-endian where Verilator runs here.
+  void flip(const std::string& instance, const char* variable, std::size_t entry,
+            int bit) override {
+    const auto changed = find_bytes(*context_, instance, variable).from(entry);
+    changed[at(bit / 8)] ^= static_cast<std::uint8_t>(1U << (bit % 8));
+  }
+  void clear(const std::string& instance, const char* variable, std::size_t first) override {
+    std::ranges::fill(find_bytes(*context_, instance, variable).from(first), std::uint8_t{0});
   }
 
  private:
