@@ -29,6 +29,7 @@ results::ProbeColumns all_columns() {
           {},
           true,
           true,
+          true,
           true};
 }
 

@@ -35,6 +35,15 @@ std::vector<StatusErrors> errors_of(const vp::ServoCounts& counts) {
   return errors;
 }
 
+std::string place_text(const vp::FlipEffect& effect) {
+  std::string text = vp::engine::name(effect.flip.place);
+  for (const vp::engine::FlipIndex& index : vp::engine::kFlipIndices) {
+    if (!has_index(effect.flip.place, index.index)) continue;
+    text += fmt::format(" {} {}", index.key, effect.flip.*index.index);
+  }
+  return text + fmt::format(" at clock {}", effect.clock);
+}
+
 }  // namespace
 
 void report_driver(config::Figures& f, const vp::ServoCounts& c) {
@@ -68,6 +77,37 @@ void report_faults(config::Figures& f, const std::vector<vp::FaultRecord>& fault
          });
 }
 
+Flips::Flips(const std::vector<vp::FaultRecord>& faults) {
+  for (const vp::FaultRecord& r : faults) {
+    if (r.fault.kind != vp::FaultKind::flip) continue;
+    const vp::FlipEffect& e = r.effect;
+    if (made == 0 && r.injected > 0) first = place_text(e);
+    made += r.injected;
+    noticed += r.noticed;
+    wrong += e.wrong;
+    told += e.told;
+    worst = std::max(worst, e.worst);
+    last_wrong_frame = std::max(last_wrong_frame, e.last_wrong_frame);
+  }
+}
+
+std::optional<Flips> flips_of(const std::vector<vp::FaultRecord>& faults) {
+  const bool some = std::ranges::any_of(
+      faults, [](const auto& r) { return r.fault.kind == vp::FaultKind::flip; });
+  return some ? std::optional<Flips>(faults) : std::nullopt;
+}
+
+void Flips::report(config::Figures& f) const {
+  f.count("made", made, "bits that flipped");
+  f.text("first", first, "the first of them, and behind which clock of its job");
+  f.count("noticed", noticed, "by the driver");
+  f.count("wrong_solutions", wrong,
+          "jobs whose U was not that of an engine without flips, begun with the same U and b");
+  f.ratio("worst_error", worst, "the largest error of a word of those over the largest word");
+  f.count("told_by_flags", told, "of those jobs the ones with a flag that they would not have had");
+  f.frame("last_wrong_frame", last_wrong_frame, "the frame of the last of those, or null");
+}
+
 namespace {
 
 using Out = std::back_insert_iterator<std::string>;
@@ -95,6 +135,19 @@ std::string_view remedy(hvp_status status) {
   }
 }
 
+void flip_text(Out out, const vp::FaultRecord& r) {
+  const vp::FlipEffect& e = r.effect;
+  fmt::format_to(out, "; the first of {}", place_text(e));
+  if (e.wrong == 0) {
+    fmt::format_to(out, "; no solution had other words");
+    return;
+  }
+  fmt::format_to(out,
+                 "; {} wrong, by {:.3g} of the largest word at most, the last in frame {}; "
+                 "flags told of {}",
+                 counted(e.wrong, "solution"), e.worst, e.last_wrong_frame, e.told);
+}
+
 void fault_lines(Out out, const Outcome& o) {
   if (o.faults.empty()) return;
   for (const vp::FaultRecord& r : o.faults) {
@@ -109,6 +162,7 @@ void fault_lines(Out out, const Outcome& o) {
     if (r.corrected > 0) fmt::format_to(out, "; the bus corrected {}", r.corrected);
     if (r.noticed > 0) fmt::format_to(out, "; the driver noticed {}", r.noticed);
     if (r.unnoticed() > 0) fmt::format_to(out, "; UNNOTICED {}", r.unnoticed());
+    if (r.fault.kind == vp::FaultKind::flip) flip_text(out, r);
     fmt::format_to(out, "\n");
   }
 }

@@ -69,6 +69,9 @@ std::vector<FrameColumn> probe_columns(const ProbeColumns& of, std::size_t index
   const auto add = [&](std::string_view name, std::string help) {
     columns.push_back({prefix + std::string(name), std::move(help)});
   };
+  if (of.flips && index == 0) {
+    add("flips", "with faults of kind flip: bits that flip behind the start of the frame's job");
+  }
   const auto vector = [&](std::string_view name, std::string_view unit, std::string_view help) {
     for (const char* axis : {"x", "y", "z"}) {
       add(fmt::format("{}_{}_{}", name, axis, unit),
@@ -158,6 +161,7 @@ void FramesCsv::closed(const vp::Frame& f, const vp::CriticalPath& path) {
   fmt::format_to(out, ",{}", hvp_status_name(f.status));
   stream_.write({line.data(), line.size()});
   for (std::size_t i = 0; i < probes_.probes.size(); ++i) {
+    if (i == 0 && probes_.flips) stream_.write(fmt::format(",{}", f.flips));
     if (i > 0) stream_.write(further_fields(f, i, columns_));
     if (probes_.proxies) stream_.write(proxy_fields(f, i));
     if (!f.ports.empty()) stream_.write(port_fields(f, i));

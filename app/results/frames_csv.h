@@ -32,14 +32,15 @@ struct ProbeColumnsOf {
   std::optional<plant::Hand> hand;  // the hand that intends the motion
   bool structure = false;           // the hand holds a handle
 };
-// The reason for further columns at the end of a line: further probes, proxies, and devices with
-// mass.
+// The reason for further columns at the end of a line: further probes, proxies, devices with mass,
+// and bits that flip.
 struct ProbeColumns {
   std::vector<ProbeColumnsOf> probes = std::vector<ProbeColumnsOf>(1);
   std::optional<host::Wall> wall;  // whose spring has energy at the start
   bool tools = false;              // the host has a virtual coupling
   bool passivity = false;          // the host has a passivity controller
   bool proxies = false;            // contact is a proxy
+  bool flips = false;              // there is a fault of kind flip
 };
 // The columns of probe `index`. Names of further probes have a prefix such as "probe1_".
 std::vector<FrameColumn> probe_columns(const ProbeColumns& of, std::size_t index);

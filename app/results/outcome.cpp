@@ -233,6 +233,9 @@ void Outcome::report_stability(config::Figures& f) const {
   f.table("driver", "What the driver returned, and what the servo loop did then.",
           [&] { report_driver(f, servo); });
   report_faults(f, faults, verdict.frames());
+  f.table_if_present("flips",
+                     "With faults of kind flip only ([faults.md](faults.md#bits-that-flip)).",
+                     flips_of(faults));
 }
 
 void Outcome::report_parts(config::Figures& f) const {

@@ -1,5 +1,6 @@
 #include "app/run/run.h"
 
+#include <algorithm>
 #include <chrono>
 #include <cmath>
 #include <memory>
@@ -153,7 +154,10 @@ results::ProbeColumns probe_columns_of(const Scenario& s) {
                                 s.wall,
                                 s.host.virtual_coupling.has_value(),
                                 s.host.passivity.has_value(),
-                                !s.wall && s.contact.search.kind == collision::ContactKind::proxy};
+                                !s.wall && s.contact.search.kind == collision::ContactKind::proxy,
+                                std::ranges::any_of(s.faults, [](const vp::Fault& fault) {
+                                  return fault.kind == vp::FaultKind::flip;
+                                })};
   for (std::size_t i = 0; i < s.probes.size(); ++i) {
     const plant::DeviceSettings& device = s.device_of(i);
     columns.probes.push_back({s.probes[i], s.has_mass(i), s.has_mass(i) && device.motor,

@@ -85,6 +85,54 @@ void require_within(const Scenario& s, const vp::Fault& fault) {
   }
 }
 
+// Refuses bits that no engine of this architecture has; what depends on the mesh is found when the
+// fault strikes.
+void require_flip(const Scenario& s, const vp::engine::Flip& flip) {
+  if (s.fidelity.accelerator != vp::Timing::cycle_accurate &&
+      s.fidelity.accelerator != vp::Timing::rtl) {
+    throw InputError("kind", std::string("flip needs memories and registers, which \"") +
+                                 vp::name(s.fidelity.accelerator) +
+                                 "\" does not have: expected fidelity.accelerator = "
+                                 "\"cycle-accurate\" or \"rtl\"");
+  }
+  const auto below = [](const char* key, int found, int limit) {
+    if (found < limit) return;
+    throw InputError(key, std::to_string(found) + ": expected less than " + std::to_string(limit));
+  };
+  using Place = vp::engine::FlipPlace;
+  below("partition", flip.partition, s.accelerator.partitions);
+  const int package = s.accelerator.package;
+  below("column", flip.column,
+        flip.place != Place::nodes ? package
+                                   : (package % 3 == 0 ? package / 3 : (package + 1) / 3 + 1));
+  switch (flip.place) {
+    case Place::x:
+    case Place::previous:
+    case Place::d:
+      return below("bit", flip.bit, s.solver.vector_bits);
+    case Place::r:
+    case Place::b:
+      return below("bit", flip.bit, s.solver.residual_bits());
+    case Place::q:
+      return below("bit", flip.bit, fixed::Settings::kProductBits);
+    case Place::matrix:
+      return below("bit", flip.bit, s.solver.matrix_bits);
+    case Place::nodes:
+    case Place::owner:
+      return below("bit", flip.bit, 20);  // of as many nodes as a scenario may name
+    case Place::phase:
+      return below("bit", flip.bit, 2);
+    case Place::last:
+      return below("bit", flip.bit, 1);
+    case Place::coefficient:
+      return below("bit", flip.bit, s.solver.coefficient_bits - 1);
+    case Place::r_r:
+      return below("bit", flip.bit, s.solver.scalar_bits);
+    case Place::loops:
+      return below("bit", flip.bit, vp::engine::kLoopBits);
+  }
+}
+
 }  // namespace
 
 void require_possible(const Scenario& s, const vp::Fault& fault) {
@@ -107,6 +155,7 @@ void require_possible(const Scenario& s, const vp::Fault& fault) {
       s.transfer.notification == link::Notification::polling) {
     refuse("interrupts: expected another transfer.notification than \"polling\"");
   }
+  if (fault.kind == Kind::flip) require_flip(s, fault.flip);
   // A DMA engine's fetch of the matrix' values has faults of its own (vp/fpga/dma_values.cpp).
   const bool of_matrix = fault.access == vp::FaultAccess::values;
   const bool blocks = (fault.kind == Kind::corrupted_word && !of_matrix) ||

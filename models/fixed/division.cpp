@@ -26,6 +26,7 @@ void DivisionSteps::start(const Settings& settings, Int128 numerator, Int128 den
   divisor_ = static_cast<UInt128>(denominator);
   fraction_bits_ = fraction_bits;
   zero_ = numerator == 0;
+  nothing_ = denominator == 0;
   beyond_ = false;
   exponent_ = 0;
   result_ = {};
@@ -72,7 +73,7 @@ bool DivisionSteps::step() {
 void DivisionSteps::normalise(int by) {
   const int rest_of = magnitude_bits(settings_) - by;
   const bool moves = !zero_ && (rest_ >> rest_of) == 0;
-  const bool divisor_moves = (divisor_ >> rest_of) == 0;
+  const bool divisor_moves = !nothing_ && (divisor_ >> rest_of) == 0;
   if (moves) {
     rest_ <<= by;
     exponent_ -= by;

@@ -15,7 +15,9 @@ namespace hvp::fixed {
 // by bits; then it compares and subtracts, one bit of the quotient a clock.
 class DivisionSteps {
  public:
-  // numerator >= 0, denominator > 0, both below 2^(scalar_bits - 1). This is the first clock.
+  // numerator >= 0, denominator > 0, both below 2^(scalar_bits - 1). A denominator of zero, which
+  // only a flipped bit makes, gives a quotient of all ones before it is rounded. This is the first
+  // clock.
   void start(const Settings& settings, Int128 numerator, Int128 denominator, int fraction_bits);
   // One clock more; true with the last one.
   bool step();
@@ -42,6 +44,7 @@ class DivisionSteps {
   int left_ = 0;  // bits of the quotient
   int clocks_ = 0;
   bool zero_ = false;
+  bool nothing_ = false;  // the denominator is
   bool up_ = false;
   bool beyond_ = false;
   Coefficient result_;

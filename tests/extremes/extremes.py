@@ -131,7 +131,13 @@ REGIONS = {
     '"sphere"': {"centre": '["0 mm", "0 mm", "-50 mm"]', "radius": '"45 mm"'},
 }
 SURFACES = {'"surface"': {"surface": f'"{TOP / "scenarios" / "surfaces" / "bean.stl"}"'}}
-FAULTS = {'"late-dma"': {"delay": '"1 us"'}, '"truncated-dma"': {"bytes": "4"}}
+FAULTS = {
+    '"late-dma"': {"delay": '"1 us"'},
+    '"truncated-dma"': {"bytes": "4"},
+    '"flip"': {"place": '"r"'},
+}
+# Where `place` decides which keys there are.
+FLIPS = {place: {"kind": '"flip"'} for place in ('"x"', '"d"', '"matrix"')}
 
 # What is said about an override that is put together wrongly here, or about a value outside its
 # range: neither tries what was to be tried.
@@ -216,10 +222,12 @@ def item_case(key: Number, value: str, listed: str) -> Case:
         fields = {name: text for name, text in fields.items() if not name.startswith(prefix)}
     for name, chosen in key.conditions:
         fields[name.removeprefix(f"{listed}.")] = chosen
-        extra = {**REGIONS, **FAULTS, **SURFACES}.get(chosen, {})
+        extra = {**REGIONS, **FAULTS, **FLIPS, **SURFACES}.get(chosen, {})
         fields.update({prefix + field: text for field, text in extra.items()})
         if not extra:
             overrides += NEEDS.get(chosen, [])
+        if chosen == '"flip"' or chosen in FLIPS:
+            overrides.append("fidelity.accelerator=cycle-accurate")
     if key.full == "fault.rate":
         del fields["frame"]
     fields[inner] = value

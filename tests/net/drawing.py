@@ -79,6 +79,12 @@ BOUNDS = {
     "fault.frames": (0, 20),
     "fault.delay": (1e-6, 1e-3),
     "fault.bytes": (4, 256),
+    "fault.clock": (0, 100_000),
+    "fault.bit": (0, 11),
+    "fault.node": (0, 30),
+    "fault.partition": (0, 1),
+    "fault.package": (0, 20),
+    "fault.column": (0, 2),
 }
 # What a table, or a value, needs elsewhere. Left out now and then, to be refused.
 NEEDS = {

@@ -63,6 +63,25 @@ TEST(Fault, NeedsWhatItsKindDoes) {
   EXPECT_EQ(key_of(word), "access");
 }
 
+TEST(FaultPlan, ChoosesWhatAFlipDoesNotState) {
+  Fault flip = at(FaultKind::flip, 7);
+  flip.count = 2;
+  FaultPlan plan({flip}, 1, kPeriod);
+  const Fault* const struck = plan.strike(FaultKind::flip, 7);
+  ASSERT_NE(struck, nullptr);
+  EXPECT_EQ(plan.choose(*struck, 7, 3, 100), plan.choose(*struck, 7, 3, 100));
+  std::vector<int> seen(10);
+  for (std::uint32_t number = 0; number < 1000; ++number) {
+    ++seen[static_cast<std::size_t>(plan.choose(*struck, 7, number, 10))];
+  }
+  for (const int count : seen) EXPECT_NEAR(count, 100, 50);  // five standard deviations
+  plan.retract(*struck);
+  EXPECT_EQ(plan.injected(), 0);
+  EXPECT_EQ(plan.records()[0].first_frame, -1);
+  EXPECT_NE(plan.strike(FaultKind::flip, 8), nullptr);
+  EXPECT_EQ(plan.records()[0].first_frame, 8);
+}
+
 TEST(FaultPlan, StrikesOnceInItsFrame) {
   FaultPlan plan({at(FaultKind::stuck_busy, 7)}, 1, kPeriod);
   EXPECT_EQ(plan.strike(FaultKind::lost_interrupt, 7), nullptr);

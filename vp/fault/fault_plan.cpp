@@ -30,6 +30,15 @@ std::vector<std::pair<std::string_view, FaultAccess>> access_names() {
   return names;
 }
 
+std::vector<std::pair<std::string_view, engine::FlipPlace>> place_names() {
+  std::vector<std::pair<std::string_view, engine::FlipPlace>> names;
+  for (std::size_t i = 0; i < engine::kFlipPlaces; ++i) {
+    const auto place = static_cast<engine::FlipPlace>(i);
+    names.emplace_back(engine::name(place), place);
+  }
+  return names;
+}
+
 }  // namespace
 
 const char* name(FaultKind kind) {
@@ -58,6 +67,8 @@ const char* name(FaultKind kind) {
       return "aer-correctable";
     case FaultKind::aer_uncorrectable:
       return "aer-uncorrectable";
+    case FaultKind::flip:
+      return "flip";
   }
   return "";
 }
@@ -127,6 +138,49 @@ void Fault::declare(config::Visitor& v) {
                        "multiple of 4",
                .required = true});
   });
+  of_kind.only({FaultKind::flip}, [&] { declare_flip(v); });
+}
+
+void Fault::declare_flip(config::Visitor& v) {
+  using engine::FlipPlace;
+  const auto of_place = v.variant(
+      "place", flip.place, place_names(),
+      {.help = "what the bit is of: a memory of the vectors, where previous is x before the last "
+               "job; the matrix; nodes, owner, phase and last, parts of an index word; the "
+               "registers of a coefficient, r·r and the iterations",
+       .required = true});
+  v.integer("clock", clock, {-1, 1'000'000'000},
+            {"behind which clock from the start of the frame's job on; behind its end, too; -1: "
+             "drawn over those of a solve",
+             "any will do"});
+  v.integer("bit", flip.bit, {-1, 63}, {"which, from the lowest one on; -1: drawn", "any will do"});
+  const auto index = [&v](const char* key, int& value, int most, const char* help) {
+    v.integer(key, value, {-1, most}, {help, "any will do"});
+  };
+  of_place.only(
+      {FlipPlace::x, FlipPlace::r, FlipPlace::b, FlipPlace::q, FlipPlace::previous, FlipPlace::d},
+      [&] {
+        index("node", flip.node, 1 << 20, "of which node; -1: drawn");
+        index("component", flip.component, 2, "0 x, 1 y, 2 z; -1: drawn");
+      });
+  of_place.only({FlipPlace::d, FlipPlace::matrix, FlipPlace::nodes, FlipPlace::owner,
+                 FlipPlace::phase, FlipPlace::last},
+                [&] {
+                  index("partition", flip.partition, 1 << 10,
+                        "of which partition; of d: of its copy; -1: drawn");
+                });
+  of_place.only(
+      {FlipPlace::matrix, FlipPlace::nodes, FlipPlace::owner, FlipPlace::phase, FlipPlace::last},
+      [&] {
+        index("package", flip.package, 1 << 24,
+              "of which package, as the partition reads them; -1: drawn");
+      });
+  of_place.only({FlipPlace::matrix},
+                [&] { index("row", flip.row, 2, "of which of the package's rows; -1: drawn"); });
+  of_place.only({FlipPlace::matrix, FlipPlace::nodes}, [&] {
+    index("column", flip.column, 1 << 10,
+          "of which of the package's columns, of nodes: of which of its nodes; -1: drawn");
+  });
 }
 
 void Fault::check() const {
@@ -187,6 +241,8 @@ std::string_view missing_in_frame(const Fault& fault) {
     case FaultKind::saturated_solve:
     case FaultKind::function_level_reset:
       return "no solve was started";
+    case FaultKind::flip:
+      return "no solve was started, or the engine had no such bit";
     case FaultKind::master_abort:
     case FaultKind::corrupted_word:
     case FaultKind::surprise_removal:
@@ -236,6 +292,7 @@ namespace {
 // A draw's later attempts stand for other questions about the same fault.
 constexpr std::uint32_t kWhichWord = 1;
 constexpr std::uint32_t kWhichBit = 2;
+constexpr std::uint32_t kWhichIndex = 64;
 
 random::Draws draws_of(int kind, std::int64_t seed) {
   return {seed, std::string("fault.") + name(static_cast<FaultKind>(kind))};
@@ -324,6 +381,21 @@ std::uint32_t FaultPlan::mask(const Fault& fault, std::int64_t frame) const {
     mask |= 1U << order[i];
   }
   return mask;
+}
+
+std::int64_t FaultPlan::choose(const Fault& fault, std::int64_t frame, std::uint32_t number,
+                               std::int64_t range) const {
+  const random::Draws& draws = draws_[static_cast<std::size_t>(fault.kind)];
+  const double u = draws.uniform(frame, items_[item_of(fault)].number, kWhichIndex + number).first;
+  return one_of(u, static_cast<std::uint32_t>(range));
+}
+
+void FaultPlan::retract(const Fault& fault) {
+  const std::size_t item = item_of(fault);
+  FaultRecord& record = records_[item];
+  if (--record.injected == 0) record.first_frame = -1;
+  items_[item].open[0] = items_[item].open[1];
+  items_[item].open[1] = -1;
 }
 
 // By address, because the faults that are handed out are those of the records.

@@ -12,6 +12,7 @@
 
 #include "models/config/declaration.h"
 #include "models/random/draws.h"
+#include "vp/fpga/engine/flip.h"
 #include "vp/frame/frame.h"
 
 namespace hvp::vp {
@@ -29,8 +30,9 @@ enum class FaultKind {
   function_level_reset,  // somebody else resets the function while the job runs
   aer_correctable,       // a packet to the board has a wrong CRC and comes again
   aer_uncorrectable,     // a write arrives poisoned, and the board drops it
+  flip,                  // a bit of the engine's memories or registers changes
 };
-inline constexpr int kFaultKinds = 12;
+inline constexpr int kFaultKinds = 13;
 
 const char* name(FaultKind kind);
 
@@ -50,6 +52,8 @@ struct Fault {
   std::int64_t frames = 0;
   double delay_s = 0;
   int bytes = 0;
+  engine::Flip flip{};
+  std::int64_t clock = -1;  // from the job's start on; −1: any of a solve
 
   void declare(config::Visitor& v);
   // Throws InputError unless exactly one of frame and rate is stated.
@@ -62,6 +66,9 @@ struct Fault {
   std::int64_t delay_ps() const;
   // The number of flipped bits in a corrupted word.
   int flipped_bits() const { return bits == 0 ? 1 : bits; }
+
+ private:
+  void declare_flip(config::Visitor& v);
 };
 
 // The error bits of the bridge's status register, which stay until they are cleared (PCI 3.0
@@ -72,9 +79,21 @@ struct BusErrors {
   bool parity = false;
 };
 
+// What flips have done to the board's solutions, beside an engine that they have not struck and
+// that begins each job with the same U and b. A job counts for the newest flip.
+struct FlipEffect {
+  std::int64_t wrong = 0;  // jobs with other words of U
+  std::int64_t last_wrong_frame = -1;
+  double worst = 0;       // of these the largest |error| over the largest |U|
+  std::int64_t told = 0;  // of these jobs those whose flags tell of it
+  engine::Flip flip;      // the first one, with all that was chosen
+  std::int64_t clock = -1;
+};
+
 // The outcome of one item of [[fault]].
 struct FaultRecord {
   Fault fault;
+  FlipEffect effect;
   std::int64_t injected = 0;
   std::int64_t noticed = 0;    // by the driver, whatever followed
   std::int64_t corrected = 0;  // by the bus itself, at the cost of time
@@ -104,6 +123,13 @@ class FaultPlan {
   // The word of a block and its bits that the fault flips in this frame.
   std::uint32_t word(const Fault& fault, std::int64_t frame, std::uint32_t words) const;
   std::uint32_t mask(const Fault& fault, std::int64_t frame) const;
+  // One of `range` values for the index of a flip that this frame's has not stated; the clock has
+  // the number 0.
+  std::int64_t choose(const Fault& fault, std::int64_t frame, std::uint32_t number,
+                      std::int64_t range) const;
+  // The fault that struck last cannot happen: it is not counted.
+  void retract(const Fault& fault);
+  FlipEffect& effect(const Fault& fault) { return records_[item_of(fault)].effect; }
 
   // The servo loop begins at `begin`, and frame n is born at begin + n·T.
   void begin(Picoseconds begin) { begin_ = begin; }

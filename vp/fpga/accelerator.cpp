@@ -40,6 +40,7 @@ Accelerator::Accelerator(const sc_core::sc_module_name& name,
     : sc_module(name),
       from_bus("from_bus"),
       interrupt("interrupt"),
+      architecture_(architecture),
       clock_period_(level == Timing::untimed ? 0 : architecture.clock_period_ps()),
       level_(level),
       numbers_(numbers),
@@ -86,6 +87,9 @@ Accelerator::Accelerator(const sc_core::sc_module_name& name,
   dont_initialize();
   timing_ = make_job_timing(level, architecture);
   if (const sc_core::sc_event* ended = timing_->ended()) sensitive << *ended;
+  SC_METHOD(make_flips);
+  sensitive << flip_due_;
+  dont_initialize();
 }
 
 void Accelerator::inject(FaultPlan& plan, Transport wire, const link::Pcie* link) {
@@ -297,6 +301,7 @@ void Accelerator::renew(const fixed::Settings& settings, const Tag& tag) {
     }
   }
   timing_->renew(matrix_, settings);
+  flipped_ = nullptr;
   if (solver_ != nullptr) solver_->load(matrix_);
   has_previous_u_ = false;
   give_x();
@@ -308,6 +313,7 @@ void Accelerator::renew(const fixed::Settings& settings, const Tag& tag) {
 bool Accelerator::load_memories(const fixed::Settings& settings) {
   try {
     timing_->load(matrix_, settings);
+    flipped_ = nullptr;
     return true;
   } catch (const InputError& e) {
     spdlog::warn("the board cannot hold the matrix: {}", e.what());

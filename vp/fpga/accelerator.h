@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <deque>
 #include <functional>
 #include <memory>
 #include <optional>
@@ -142,6 +143,12 @@ class Accelerator : public sc_core::sc_module, private ListOwner {
   bool strikes(FaultKind kind) {
     return faults_ != nullptr && faults_->strike(kind, frame_) != nullptr;
   }
+  // Bits that flip (accelerator_flip.cpp).
+  void plan_flips();
+  bool complete(engine::Flip& flip, const Fault& fault);
+  void make_flips();
+  void flip_bit(const engine::Flip& flip);
+  void take_flipped_words();
   bool supported(const fixed::Settings& settings);
   void form_guess(fixed::Start start);
   void require_solver(const fixed::Settings& settings);
@@ -152,6 +159,7 @@ class Accelerator : public sc_core::sc_module, private ListOwner {
   // `tag` is the work for which the line goes up, if it does.
   void drive_interrupt_line(const Tag& tag);
 
+  accel::Architecture architecture_;
   Picoseconds clock_period_;  // 0: untimed
   Timing level_;
   Numbers numbers_;
@@ -159,6 +167,14 @@ class Accelerator : public sc_core::sc_module, private ListOwner {
   AccessObserver* observer_;
   FaultPlan* faults_ = nullptr;
   Transport wire_;
+  struct PlannedFlip {
+    Picoseconds time = 0;
+    const Fault* fault = nullptr;
+    engine::Flip flip;
+  };
+  std::deque<PlannedFlip> planned_flips_;  // the next one first
+  sc_core::sc_event flip_due_;
+  const Fault* flipped_ = nullptr;  // the newest one since the memories were filled
 
   RegisterBank bank_;
   fixed::QuantisedMatrix matrix_;

@@ -41,6 +41,7 @@ void Accelerator::begin_solve(const Tag& tag) {
     power_on();
     return;
   }
+  plan_flips();
   if (stuck) {
     if (listed_) dma_->abort();  // there is no end; nor does the engine do anything more
   } else if (fault_) {
@@ -59,7 +60,9 @@ void Accelerator::take_engine_words() {
       longest_solve_ = EngineSolve{*engine, accel::solve_made(settings_, result_)};
     }
   }
-  if (timing_->confirms(u_)) return;
+  const bool confirmed = timing_->confirms(u_);
+  if (flipped_ != nullptr) take_flipped_words();
+  if (confirmed || flipped_ != nullptr) return;
   spdlog::error("the engine's words are not those of the solver");
   fault_ = true;
 }

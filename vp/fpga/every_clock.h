@@ -59,6 +59,10 @@ class EveryClock : public JobTiming {
     return std::ranges::equal(x_, solution);
   }
   void forget_previous() override { engine_.forget_previous(); }
+  void carry_words() override { engine_.carry_words(); }
+  void flip(const engine::Flip& flip) override { engine_.flip(flip); }
+  void read_x(std::span<std::int32_t> words) const override { engine_.read_x(words); }
+  fixed::Report report() override { return engine_.report(); }
 
   const engine::CycleEngine* engine() const override { return &engine_; }
 

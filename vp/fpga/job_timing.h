@@ -68,6 +68,15 @@ class JobTiming {
   // Other levels than rtl have no such port.
   virtual void record_port(EnginePortSink /*record*/) {}
 
+  // For a level with memories and registers. From now on their bits may flip; to be called while no
+  // job runs.
+  virtual void carry_words() {}
+  // Flips a bit, amid two edges.
+  virtual void flip(const engine::Flip& /*flip*/) {}
+  // The words of x as they are now, and the last solve's report as an engine knows it.
+  virtual void read_x(std::span<std::int32_t> /*words*/) const {}
+  virtual fixed::Report report() { return {}; }
+
   // The cycle-accurate engine; null at other levels.
   virtual const engine::CycleEngine* engine() const { return nullptr; }
   // What the level rtl has compared so far; empty at other levels.

@@ -46,7 +46,7 @@ class EveryRtlClock : public EveryClock {
     EveryClock::abort();
   }
   void write_b(std::span<const std::int32_t> words) override {
-    both_.rtl().write_b(words);
+    both_.write_b(words);
     EveryClock::write_b(words);
   }
   void write_x(std::span<const std::int32_t> words) override {
@@ -61,6 +61,14 @@ class EveryRtlClock : public EveryClock {
     return EveryClock::confirms(solution);
   }
   void record_port(EnginePortSink record) override { both_.rtl().record = std::move(record); }
+  void carry_words() override {
+    both_.expect_flips();
+    EveryClock::carry_words();
+  }
+  void flip(const engine::Flip& flip) override {
+    both_.flip(flip);
+    EveryClock::flip(flip);
+  }
   void forget_previous() override {
     both_.rtl().forget_previous();
     EveryClock::forget_previous();

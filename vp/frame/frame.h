@@ -134,6 +134,7 @@ struct Frame {
       0;  // at the lookup, from the begin of the pass that found the contact; 0: no contact
   hvp_status status = HVP_OK;    // else the reason why the frame has a held force
   std::int64_t saturations = 0;  // clamped words in its solve
+  std::int64_t flips = 0;        // bits of the board that flip behind the start of its solve
   std::uint32_t flags = 0;       // stability::Flags of its solve
 
   std::vector<Span> spans;

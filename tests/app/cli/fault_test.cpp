@@ -75,6 +75,45 @@ TEST(Faults, WhatCannotHappenIsRefused) {
   EXPECT_THAT(both.ended.err, HasSubstr("either frame or rate"));
 }
 
+TEST(Faults, ABitThatNoEngineHasIsRefused) {
+  const auto error = [](const std::string& level, const std::string& keys) {
+    const Faulty run("\n[fidelity]\naccelerator = \"" + level +
+                     "\"\n\n[[fault]]\nkind = \"flip\"\nframe = 5\n" + keys);
+    EXPECT_EQ(run.ended.status, 2);
+    EXPECT_EQ(std::ranges::count(run.ended.err, '\n'), 1) << run.ended.err;
+    return run.ended.err;
+  };
+  EXPECT_THAT(error("loosely-timed", "place = \"x\"\n"),
+              HasSubstr("expected fidelity.accelerator = \"cycle-accurate\" or \"rtl\""));
+  EXPECT_THAT(error("cycle-accurate", ""), HasSubstr("place"));
+  EXPECT_THAT(error("cycle-accurate", "place = \"s\"\n"), HasSubstr("\"previous\""));
+  EXPECT_THAT(error("cycle-accurate", "place = \"x\"\nbit = 16\n"),
+              HasSubstr("bit: 16: expected less than 16"));
+  EXPECT_THAT(error("cycle-accurate", "place = \"d\"\npartition = 5\n"),
+              HasSubstr("partition: 5: expected less than 5"));
+  EXPECT_THAT(error("cycle-accurate", "place = \"nodes\"\ncolumn = 4\n"),
+              HasSubstr("column: 4: expected less than 4"));
+  EXPECT_THAT(error("cycle-accurate", "place = \"loops\"\nnode = 4\n"), HasSubstr("node"));
+}
+
+TEST(Faults, AFlippedBitIsInTheReportAndInItsFrame) {
+  const Faulty run(
+      "\n[fidelity]\naccelerator = \"cycle-accurate\"\n\n[[fault]]\nkind = \"flip\"\nframe = 5\n"
+      "place = \"matrix\"\npartition = 1\npackage = 2\nrow = 0\ncolumn = 0\nbit = 10\nclock = 9\n");
+  EXPECT_THAT(run.ended.out, Not(HasSubstr("PASS")));
+  EXPECT_THAT(run.ended.out,
+              HasSubstr("matrix partition 1 package 2 row 0 column 0 bit 10 at clock 9"));
+  const json flips = run.summary().at("flips");
+  EXPECT_EQ(flips.at("made"), 1);
+  EXPECT_EQ(flips.at("first"), "matrix partition 1 package 2 row 0 column 0 bit 10 at clock 9");
+  EXPECT_GT(flips.at("wrong_solutions"), 0);
+  EXPECT_GT(flips.at("worst_error"), 0);
+  const std::vector<std::string> frames = lines(read(run.place.path() / "a/frames.csv"));
+  EXPECT_THAT(frames.at(0), HasSubstr(",status,flips"));
+  EXPECT_THAT(frames.at(6), HasSubstr(",HVP_OK,1"));
+  EXPECT_THAT(frames.at(7), HasSubstr(",HVP_OK,0"));
+}
+
 TEST(Faults, AnAccessThatTheDriverDoesNotMakeIsRefused) {
   const std::string by_dma = "\n[transfer]\nmethod = \"dma\"\nnotification = \"msi\"\n";
   for (const char* access : {"status", "acknowledge"}) {

@@ -68,7 +68,7 @@ class Pair : public fixed::Observer {
     engine.write_x(x);
   }
   void write_b(const std::vector<std::int32_t>& b) {
-    for_each([&](RtlComparison& rtl) { rtl.rtl().write_b(b); });
+    for_each([&](RtlComparison& rtl) { rtl.write_b(b); });
     engine.write_b(b);
   }
   void start(const fixed::Settings& settings) {
@@ -86,6 +86,7 @@ class Pair : public fixed::Observer {
     ASSERT_EQ(both.difference(), "");
     for (const auto& other : others) ASSERT_EQ(other->difference(), "") << "with another start";
     ASSERT_EQ(engine.clocks(), both.waited() + both.rtl().clocks());
+    both.rtl().end_copy();
     ASSERT_EQ(both.rtl().copy_clocks(),
               engine.state_clocks()[static_cast<std::size_t>(engine::State::copy)]);
     const fixed::Report report = engine.report();

@@ -68,9 +68,12 @@ void CycleEngine::clocked() {
   divider_.clocked();
   vectors_.clocked();
   direction_.clocked(vectors_.direction_write.read());
-  // A product begins and ends with the vector unit's pass.
-  if (vectors_.pass() != Pass::product) return;
-  for (const auto& block : blocks_) block->clocked();
+  // A product begins and ends with the vector unit's pass, but where an index word has flipped.
+  if (vectors_.pass() != Pass::product && !carries_words_) return;
+  for (const auto& block : blocks_) {
+    block->address(vectors_.multiplies() ? -1 : vectors_.addressed());
+    block->clocked();
+  }
 }
 
 void CycleEngine::load(const fixed::QuantisedMatrix& matrix, const fixed::Settings& settings) {

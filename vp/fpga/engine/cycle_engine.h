@@ -15,6 +15,7 @@
 #include "vp/fpga/engine/direction_copies.h"
 #include "vp/fpga/engine/divider.h"
 #include "vp/fpga/engine/engine_clock.h"
+#include "vp/fpga/engine/flip.h"
 #include "vp/fpga/engine/layout.h"
 #include "vp/fpga/engine/matrix_editor.h"
 #include "vp/fpga/engine/sequencer.h"
@@ -63,10 +64,23 @@ class CycleEngine : public sc_core::sc_module {
   // The next extrapolated start has no solution before x.
   void forget_previous() { has_previous_ = false; }
 
+  // From now on bits of its memories and registers may flip, which costs wall time: its pipelines
+  // carry the words that they have read. To be called while no solve runs.
+  void carry_words();
+  bool carries_words() const { return carries_words_; }
+  // How many values an index of a flip has, of which those before it are chosen; 0: there is no
+  // such word.
+  int flip_range(const Flip& flip, int Flip::*index) const;
+  // Flips a bit behind the last edge and before the next one. The flip is complete and within its
+  // ranges; words have to be carried.
+  void flip(const Flip& flip);
+
   const sc_core::sc_event& done() const { return done_; }
   // True if no work that the host asked for is under way.
   bool idle() const { return !solving_ && !editor_.busy(); }
   std::int64_t clocks() const;
+  // When the last command was over.
+  const sc_core::sc_time& ended() const { return ended_; }
   // The clocks of the last solve by state; the rest is its wait for x.
   const StateClocks& state_clocks() const { return sequencer_.state_clocks(); }
   // The number of solves started.
@@ -103,6 +117,8 @@ class CycleEngine : public sc_core::sc_module {
   void fetch_row(int row);
   void make_inverse(const fixed::Settings& settings);
   void refresh_inverse(int node);
+  std::vector<std::int32_t>& flipped_vector(FlipPlace place);
+  int word_bits(FlipPlace place) const;
 
   accel::Architecture architecture_;
   EngineClock clock_;
@@ -123,6 +139,7 @@ class CycleEngine : public sc_core::sc_module {
   int edited_node_ = -1;  // −1: all
   bool solving_ = false;  // begun, or waiting for the copy
   bool has_previous_ = false;
+  bool carries_words_ = false;
   std::int64_t jobs_ = 0;
   sc_core::sc_time commanded_;
   sc_core::sc_time ended_;

@@ -5,11 +5,13 @@
 #include <cstddef>
 
 #include "models/index.h"
+#include "vp/fpga/engine/flip.h"
 
 namespace hvp::vp::engine {
 
 void DirectionCopies::load(int nodes) {
   words_.assign(3 * at(nodes), 0);
+  deviations_.clear();
   operand_.narrow.assign(4 * at(nodes), 0);
   operand_is_new_ = false;
 }
@@ -19,6 +21,29 @@ void DirectionCopies::clocked(const DirectionWrite& write) {
   written_ = write.number;
   std::copy_n(write.words, 3 * write.count, words_.begin() + 3 * write.first);
   operand_is_new_ = false;
+  if (deviations_.empty()) return;
+  const std::size_t first = 3 * at(write.first);
+  std::erase_if(deviations_, [&](const Deviation& d) {
+    return d.place >= first && d.place < first + 3 * at(write.count);
+  });
+}
+
+std::int32_t DirectionCopies::word(int copy, int node, int component) const {
+  const std::size_t place = 3 * at(node) + at(component);
+  if (place >= words_.size()) return 0;
+  for (const Deviation& d : deviations_) {
+    if (d.copy == copy && d.place == place) return d.word;
+  }
+  return words_[place];
+}
+
+void DirectionCopies::flip(int copy, int node, int component, int bit, int bits) {
+  const std::size_t place = 3 * at(node) + at(component);
+  const auto word =
+      static_cast<std::int32_t>(flipped(this->word(copy, node, component), bit, bits));
+  std::erase_if(deviations_,
+                [&](const Deviation& d) { return d.copy == copy && d.place == place; });
+  if (word != words_[place]) deviations_.push_back({copy, place, word});
 }
 
 const DirectionCopies::Operand& DirectionCopies::operand() {

@@ -14,7 +14,8 @@ struct DirectionWrite {
 };
 
 // The copies of the multiplied vector d, one in each SpMxV block. All take the same words at the
-// same edges, so that one array stands for all.
+// same edges, so that one array stands for all, but for words whose bits have flipped in one of
+// them.
 class DirectionCopies {
  public:
   // All words become zero.
@@ -23,8 +24,12 @@ class DirectionCopies {
   // before.
   void clocked(const DirectionWrite& write);
 
-  // Three a node.
+  // Three a node, without what has flipped.
   const std::vector<std::int32_t>& words() const { return words_; }
+  // A word of a copy; zero at a node that the system does not have.
+  std::int32_t word(int copy, int node, int component) const;
+  // Flips a bit of a word of so many bits, until the word is written again.
+  void flip(int copy, int node, int component, int bit, int bits);
 
   // The words for a product, during which none is written.
   struct Operand {
@@ -36,7 +41,14 @@ class DirectionCopies {
   const Operand& operand();
 
  private:
+  struct Deviation {
+    int copy = 0;
+    std::size_t place = 0;  // in words_
+    std::int32_t word = 0;
+  };
+
   std::vector<std::int32_t> words_;
+  std::vector<Deviation> deviations_;
   Operand operand_;
   bool operand_is_new_ = false;  // made since a word was written
   std::uint32_t written_ = 0;

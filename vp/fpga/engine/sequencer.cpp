@@ -116,7 +116,7 @@ void Sequencer::pass_is_over(const VectorStatus& status) {
       form_beta();
       break;
     case State::direction:
-      ++loops_;
+      loops_ = (loops_ + 1) & ((1 << kLoopBits) - 1);
       if (!hold_ && iteration_made) iteration_made();
       [[fallthrough]];
     case State::first_direction:
@@ -139,7 +139,7 @@ void Sequencer::take_quotient(const Quotient& taken) {
     return;
   }
   s.beta = {};
-  if (s.z_r.word > 0) {
+  if (!no_beta_) {
     s.beta = taken.value;
     s.beta.exponent += z_r_before_.exponent - s.z_r.exponent;
   }
@@ -254,7 +254,7 @@ void Sequencer::take_product(const VectorStatus& status) {
     return;
   }
   divide(State::alpha,
-         {.numerator = s.z_r.word,
+         {.numerator = divided(s.z_r.word),
           .denominator = s.d_q.word,
           .fraction_bits = settings_.alpha_fraction_bits,
           // r is bounded by |r| + α·|q|.
@@ -265,6 +265,26 @@ void Sequencer::take_product(const VectorStatus& status) {
                         .word_bits = settings_.residual_bits(),
                         .target_bits = residual_target_,
                         .available_bits = residual_available_}});
+}
+
+fixed::Int128 Sequencer::flipped_scalar(int bit) const {
+  const int unused = 128 - settings_.scalar_bits;
+  const auto changed = static_cast<fixed::UInt128>(scalars_.z_r.word) ^ (fixed::UInt128{1} << bit);
+  return static_cast<fixed::Int128>(changed << unused) >> unused;
+}
+
+// What the divider takes of a scalar: all bits but that of the sign, which only a flip can set once
+// the scalar has been found positive.
+fixed::Int128 Sequencer::divided(fixed::Int128 scalar) const {
+  const auto mask = (fixed::UInt128{1} << (settings_.scalar_bits - 1)) - 1;
+  return static_cast<fixed::Int128>(static_cast<fixed::UInt128>(scalar) & mask);
+}
+
+// The register that the lanes multiply by: of a command that the vector unit has not seen yet.
+void Sequencer::flip_coefficient(int bit) {
+  VectorCommand next = vector_command.read();
+  (next.pass == Pass::direction ? next.beta : next.alpha) ^= 1 << bit;
+  vector_command.reset(next);
 }
 
 bool Sequencer::replaces() {
@@ -298,12 +318,13 @@ void Sequencer::form_update(int up) {
 
 void Sequencer::form_beta() {
   const Scalars& s = scalars_;
-  if (hold_ || s.z_r.word <= 0) {
+  no_beta_ = s.z_r.word <= 0;
+  if (hold_ || no_beta_) {
     divide(State::beta, {.hold = true});
     return;
   }
   divide(State::beta, {.numerator = s.z_r.word,
-                       .denominator = z_r_before_.word,
+                       .denominator = divided(z_r_before_.word),
                        .fraction_bits = settings_.beta_fraction_bits,
                        // d is bounded by |z| + β·|d|.
                        .rescaling = {.a = s.largest_z,

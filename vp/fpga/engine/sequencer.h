@@ -12,6 +12,7 @@
 #include "models/fixed/stop_test.h"
 #include "vp/fpga/engine/divider.h"
 #include "vp/fpga/engine/engine_clock.h"
+#include "vp/fpga/engine/flip.h"
 #include "vp/fpga/engine/vector_unit.h"
 
 namespace hvp::vp::engine {
@@ -78,6 +79,11 @@ class Sequencer : public sc_core::sc_module {
   // Aborts a solve or a copy.
   void abort();
 
+  // A bit of a register, of so many, has flipped.
+  void flip_r_r(int bit) { scalars_.z_r.word = flipped_scalar(bit); }
+  void flip_loops(int bit) { loops_ ^= 1 << bit; }
+  void flip_coefficient(int bit);
+
   State state() const { return state_; }
   const Scalars& scalars() const { return scalars_; }
   // The iterations, replacements, breakdowns and flags of the solve.
@@ -104,6 +110,8 @@ class Sequencer : public sc_core::sc_module {
   void form_direction(int up);
   bool reached() const;
   bool replaces();
+  fixed::Int128 flipped_scalar(int bit) const;
+  fixed::Int128 divided(fixed::Int128 scalar) const;
 
   const EngineClock& clock_;
   fixed::Settings settings_;
@@ -121,9 +129,10 @@ class Sequencer : public sc_core::sc_module {
   std::uint32_t vector_number_ = 0;
   std::uint32_t division_number_ = 0;
   std::uint32_t products_ = 0;
-  int loops_ = 0;
+  int loops_ = 0;          // of kLoopBits
   bool zero_ = false;      // the solve starts from zero, whatever x is
   bool hold_ = false;      // the solve is over, and its passes go on
+  bool no_beta_ = false;   // there is no residual, so that no direction of old counts
   bool replaced_ = false;  // this iteration's residual is formed anew
   fixed::StopTest stop_test_;
   fixed::UInt128 residual_squares_ = 0;  // rᵀr in words of r

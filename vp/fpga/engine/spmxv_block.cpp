@@ -15,10 +15,18 @@ SpmxvBlock::SpmxvBlock(const sc_core::sc_module_name& name, const accel::Archite
       flight_(queue_.size()) {}
 
 void SpmxvBlock::load(const Layout& layout, int partition) {
+  layout_ = &layout;
+  number_ = partition;
   partition_ = &layout.partitions()[at(partition)];
   nonzeros_.assign(3 * at(architecture_.package * partition_->packages()), 0);
   sums_.load(layout, *partition_);
   reset();
+  if (carries_words()) carry_words();
+}
+
+void SpmxvBlock::carry_words() {
+  if (carries_words()) caught_ = carried_->own();
+  carried_ = std::make_unique<CarriedWords>(architecture_, *layout_, *partition_, caught_);
 }
 
 void SpmxvBlock::reset() {
@@ -34,6 +42,7 @@ void SpmxvBlock::reset() {
   finished.reset();
   // A product that was to start at the next edge is not wanted any more.
   started_ = start->next();
+  if (carries_words()) carried_->reset();
 }
 
 std::span<std::int32_t> SpmxvBlock::package_words(int package) {
@@ -48,6 +57,10 @@ std::span<const std::int32_t> SpmxvBlock::package_words(int package) const {
 }
 
 void SpmxvBlock::clocked() {
+  if (carries_words()) {
+    clock_carried();
+    return;
+  }
   ++edge_;
   if (start->read() != started_) begin_product();
   if (busy_) issue();
@@ -90,6 +103,44 @@ void SpmxvBlock::issue() {
   }
 }
 
+void SpmxvBlock::clock_carried() {
+  if (start->read() != started_) {
+    started_ = start->read();
+    busy_ = busy_ || partition_->packages() > 0;
+  }
+  carried_->advance();
+  if (carried_->accumulate()) {
+    const CarriedWords::Row& row = carried_->row();
+    queue_[finished_place_] = {row.node, row.sum, row.own};
+    finished_place_ = next_place(finished_place_);
+    finished.write(++finished_rows_);
+  }
+  if (busy_) issue_carried();
+  carried_->read(nonzeros_, direction_, number_);
+}
+
+// As issue(), by the index word as it is now.
+void SpmxvBlock::issue_carried() {
+  if (served_ + 1 < partition_->clocks[at(position_)]) {
+    ++served_;
+    ++bank_stalls_;
+    return;
+  }
+  if (carried_->index(position_).last) {
+    if (issued_rows_ - taken->read() >= queue_.size()) {
+      ++queue_stalls_;
+      return;
+    }
+    ++issued_rows_;
+  }
+  carried_->enter(position_, addressed_);
+  served_ = 0;
+  if (++position_ == partition_->packages()) {
+    position_ = 0;
+    busy_ = false;
+  }
+}
+
 void SpmxvBlock::finish_row() {
   const int row = flight_[finished_place_].row;
   RowResult& result = queue_[finished_place_];
@@ -99,6 +150,7 @@ void SpmxvBlock::finish_row() {
   if (sums_.has_own_block(row)) {
     std::copy_n(direction(result.node), 3, result.own.begin());
   }
+  caught_ = result.own;
   finished.write(++finished_rows_);
   finished_place_ = next_place(finished_place_);
   next_done_ = finished_rows_ == issued_rows_ ? -1 : flight_[finished_place_].done;

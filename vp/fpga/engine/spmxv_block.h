@@ -3,11 +3,13 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <memory>
 #include <span>
 #include <systemc>
 #include <vector>
 
 #include "models/accel/architecture.h"
+#include "vp/fpga/engine/carried_words.h"
 #include "vp/fpga/engine/direction_copies.h"
 #include "vp/fpga/engine/engine_clock.h"
 #include "vp/fpga/engine/layout.h"
@@ -52,6 +54,15 @@ class SpmxvBlock : public sc_core::sc_module {
 
   // A host access, while idle. `layout` has to stay in place.
   void load(const Layout& layout, int partition);
+  // From now on the ranks carry their words, since bits of the memories may flip. To be called
+  // while no product runs.
+  void carry_words();
+  bool carries_words() const { return carried_ != nullptr; }
+  // The index memory, where words are carried.
+  IndexWord& index_word(int package) { return carried_->index(package); }
+  // Where words are carried, to be called at each edge before clocked(): the node of d that a pass
+  // has addressed, or −1 while a product runs.
+  void address(int node) { addressed_ = node; }
   void clocked();
   // Empties pipelines and result memory.
   void reset();
@@ -65,6 +76,9 @@ class SpmxvBlock : public sc_core::sc_module {
     return &direction()[3 * static_cast<std::size_t>(node)];
   }
   const std::vector<std::int32_t>& direction() const { return direction_.words(); }
+  std::int32_t direction_word(int node, int component) const {
+    return direction_.word(number_, node, component);
+  }
   const RowResult& result(std::uint32_t number) const { return queue_[number % queue_.size()]; }
   // The places of the result memory, which the rows take in turn from 0 on.
   const RowResult& result_in(std::size_t place) const { return queue_[place]; }
@@ -82,14 +96,21 @@ class SpmxvBlock : public sc_core::sc_module {
   void begin_product();
   void issue();
   void finish_row();
+  void clock_carried();
+  void issue_carried();
 
   const accel::Architecture& architecture_;
+  const Layout* layout_ = nullptr;
   const Partition* partition_ = nullptr;
+  int number_ = 0;  // the partition's
   DirectionCopies& direction_;
 
   std::vector<std::int32_t> nonzeros_;  // package by package, three rows of PL2
   std::vector<RowResult> queue_;        // the result memory
   RowSums sums_;
+  std::unique_ptr<CarriedWords> carried_;
+  int addressed_ = -1;
+  std::array<std::int32_t, 3> caught_{};  // the words of the last finished row's own node
 
   // A row whose last package is in the pipelines; it has a place in the result memory.
   struct InFlight {

@@ -24,6 +24,7 @@ void VectorLanes::load(int nodes) {
     memory->assign(3 * at(nodes), 0);
   }
   memories_.inverse.assign(9 * at(nodes), 0);
+  before_.reserve(3 * at(nodes));
 }
 
 void VectorLanes::configure(const fixed::Settings& settings, int inverse_shift) {
@@ -47,23 +48,30 @@ void VectorLanes::begin(const VectorCommand& command) {
   preconditioner_shift_ = shifter(-inverse_shift_);
 }
 
-void VectorLanes::write(int first_node, int nodes, const std::int32_t* direction,
-                        std::int32_t* written) {
+LaneWords VectorLanes::words(int first_node, const std::int32_t* direction) const {
+  const std::size_t first = 3 * at(first_node);
+  const VectorMemories& m = memories_;
+  const std::int32_t mantissa = now_.pass == Pass::direction ? now_.beta : now_.alpha;
+  return {&m.x[first],        &m.b[first], &m.r[first], &m.z[first], &m.q[first],
+          &m.previous[first], direction,   direction,   mantissa,    mantissa};
+}
+
+void VectorLanes::write(int first_node, int nodes, const LaneWords& from, std::int32_t* written) {
   const std::size_t first = 3 * at(first_node);
   const std::size_t count = 3 * at(nodes);
   switch (now_.pass) {
     case Pass::guess:
-      write_guess(first, count, written);
+      write_guess(first, count, from, written);
       break;
     case Pass::residual:
-      write_residual(first, count, direction, written);
+      write_residual(first, count, from, written);
       break;
     case Pass::update:
-      write_update(first, count, direction, written);
+      write_update(first, count, from, written);
       break;
     case Pass::first_direction:
     case Pass::direction:
-      write_direction(first, count, direction, written);
+      write_direction(count, from, written);
       break;
     case Pass::none:
     case Pass::copy:
@@ -72,50 +80,52 @@ void VectorLanes::write(int first_node, int nodes, const std::int32_t* direction
   }
 }
 
-// The guess of fixed::extrapolate.
-void VectorLanes::write_guess(std::size_t first, std::size_t count, std::int32_t* written) {
+// The guess of fixed::extrapolate. The memory of the solution before has x by now.
+void VectorLanes::write_guess(std::size_t first, std::size_t count, const LaneWords& from,
+                              std::int32_t* written) {
   const std::span<std::int32_t> x = std::span(memories_.x).subspan(first, count);
-  const std::span<std::int32_t> previous = std::span(memories_.previous).subspan(first, count);
-  if (now_.alone) std::ranges::copy(x, previous.begin());
-  report_.saturations += fixed::extrapolate(x, previous, settings_.vector_bits);
+  std::copy_n(from.x, count, x.begin());
+  before_.assign(now_.alone ? from.x : from.previous,
+                 (now_.alone ? from.x : from.previous) + count);
+  report_.saturations += fixed::extrapolate(x, before_, settings_.vector_bits);
   std::ranges::copy(x, written);
 }
 
-void VectorLanes::write_residual(std::size_t first, std::size_t count,
-                                 const std::int32_t* direction, std::int32_t* written) {
+void VectorLanes::write_residual(std::size_t first, std::size_t count, const LaneWords& from,
+                                 std::int32_t* written) {
   fixed::ReferenceMachine& counted = now_.first ? machine_ : silent_;
   const int bits = settings_.residual_bits();
   for (std::size_t i = 0; i < count; ++i) {
     const std::size_t word = first + i;
-    const std::int32_t b = counted.write(memories_.b[word], bits);
+    const std::int32_t b = counted.write(from.b[i], bits);
     const std::int64_t full = (std::int64_t{b} << settings_.rhs_shift()) -
-                              (std::int64_t{memories_.q[word]} << settings_.product_shift());
+                              (std::int64_t{from.q[i]} << settings_.product_shift());
     memories_.r[word] = clamped(r_shift_(full), bits);
     if (now_.zero) memories_.x[word] = 0;
     if (now_.exchange) {
-      written[i] = memories_.x[word];
-      memories_.x[word] = direction[i];
+      written[i] = from.x[i];
+      memories_.x[word] = from.kept_d[i];
     }
   }
   precondition(first, count);
 }
 
 // x += α·d, r −= α·q
-void VectorLanes::write_update(std::size_t first, std::size_t count, const std::int32_t* direction,
+void VectorLanes::write_update(std::size_t first, std::size_t count, const LaneWords& from,
                                std::int32_t* written) {
   for (std::size_t i = 0; i < count; ++i) {
     const std::size_t word = first + i;
-    const std::int64_t change = x_shift_(product(now_.alpha, direction[i]));
-    const std::int32_t x = clamped(memories_.x[word] + change, settings_.vector_bits);
+    const std::int64_t change = x_shift_(product(from.of_d, from.d[i]));
+    const std::int32_t x = clamped(from.x[i] + change, settings_.vector_bits);
     if (now_.exchange) {
       written[i] = x;
-      memories_.x[word] = direction[i];
+      memories_.x[word] = from.kept_d[i];
       continue;
     }
     memories_.x[word] = x;
-    const std::int64_t kept = r_shift_(memories_.r[word]);
-    memories_.r[word] = clamped(kept - change_shift_(product(now_.alpha, memories_.q[word])),
-                                settings_.residual_bits());
+    const std::int64_t kept = r_shift_(from.r[i]);
+    memories_.r[word] =
+        clamped(kept - change_shift_(product(from.of_q, from.q[i])), settings_.residual_bits());
   }
   if (!now_.exchange) precondition(first, count);
 }
@@ -147,12 +157,11 @@ void VectorLanes::precondition(std::size_t first, std::size_t count) {
 }
 
 // d = z + β·d
-void VectorLanes::write_direction(std::size_t first, std::size_t count,
-                                  const std::int32_t* direction, std::int32_t* written) {
-  const std::int32_t* const z = &(settings_.preconditioned() ? memories_.z : memories_.r)[first];
+void VectorLanes::write_direction(std::size_t count, const LaneWords& from, std::int32_t* written) {
+  const std::int32_t* const z = settings_.preconditioned() ? from.z : from.r;
   for (std::size_t i = 0; i < count; ++i) {
     std::int64_t sum = z_shift_(z[i]);
-    if (now_.pass == Pass::direction) sum += d_shift_(product(now_.beta, direction[i]));
+    if (now_.pass == Pass::direction) sum += d_shift_(product(from.of_d, from.d[i]));
     written[i] = clamped(sum, settings_.vector_bits);
     track(status_.largest_d, written[i]);
   }
@@ -169,12 +178,30 @@ std::array<std::int32_t, 3> VectorLanes::round_product(int node,
     status_.dot += product(q, own[c]);
     track(status_.largest_q, q);
     if (!now_.compare) continue;
-    const std::int32_t b = silent_.write(memories_.b[3 * at(node) + c], settings_.residual_bits());
+    // Beyond the system there are nodes by a flip of an index word only.
+    const std::size_t word = 3 * at(node) + c;
+    const std::int32_t b =
+        silent_.write(word < memories_.b.size() ? memories_.b[word] : 0, settings_.residual_bits());
     status_.squares += product(b, b);
     track(status_.widest, (std::int64_t{b} << settings_.rhs_shift()) -
                               (std::int64_t{q} << settings_.product_shift()));
   }
   return words;
+}
+
+VectorLanes::RowPart VectorLanes::round_row(int node, const std::array<std::int64_t, 3>& sum,
+                                            const std::array<std::int32_t, 3>& own,
+                                            std::array<std::int32_t, 3>& q) {
+  const RowPart others{status_.dot, status_.squares, status_.widest};
+  status_.dot = 0;
+  status_.squares = 0;
+  status_.widest = 0;
+  q = round_product(node, sum, own);
+  const RowPart part{status_.dot, status_.squares, status_.widest};
+  status_.dot = others.dot;
+  status_.squares = others.squares;
+  status_.widest = others.widest;
+  return part;
 }
 
 }  // namespace hvp::vp::engine

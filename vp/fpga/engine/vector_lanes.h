@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cstdint>
 #include <vector>
@@ -65,13 +66,37 @@ struct VectorMemories {
   std::vector<std::int32_t> inverse;   // P⁻¹, nine words a node
 };
 
+// What the lanes make words of, three words a node: the memories themselves, or what the ranks have
+// carried since they were read.
+struct LaneWords {
+  const std::int32_t* x = nullptr;
+  const std::int32_t* b = nullptr;
+  const std::int32_t* r = nullptr;
+  const std::int32_t* z = nullptr;
+  const std::int32_t* q = nullptr;
+  const std::int32_t* previous = nullptr;
+  const std::int32_t* d = nullptr;       // as it is multiplied
+  const std::int32_t* kept_d = nullptr;  // as an exchange writes it
+  // α or β before d and before q: they are multiplied at different edges.
+  std::int32_t of_d = 0;
+  std::int32_t of_q = 0;
+};
+
+// A word as the lanes multiply it, by its magnitude of a bit less: the one word that has no
+// negative, which nothing but a flip makes, counts as zero.
+constexpr std::int32_t multiplied(std::int32_t word, int bits) {
+  return word == -fixed::word_limit(bits) - 1 ? 0 : word;
+}
+
 // The vectors' memories and the lanes' arithmetic, without clocks: what a pass makes of the words
 // of a node. All of a node's arithmetic is done when its words are written. Until then nobody
-// writes the words that its lane has read, so that none has to be carried through the ranks.
+// writes the words that its lane has read, so that none has to be carried through the ranks, but
+// where bits of the memories flip.
 class VectorLanes {
  public:
   VectorMemories& memories() { return memories_; }
   const VectorMemories& memories() const { return memories_; }
+  const fixed::Settings& settings() const { return settings_; }
 
   void load(int nodes);
   // Sets the words and rules of the next jobs.
@@ -82,16 +107,32 @@ class VectorLanes {
   // Begins a pass, with no sums yet.
   void begin(const VectorCommand& command);
   const VectorCommand& command() const { return now_; }
+  // The mantissa that the pass multiplies by.
+  std::int32_t& coefficient() { return now_.pass == Pass::direction ? now_.beta : now_.alpha; }
   // The pass' sums over the words written so far.
   const VectorStatus& status() const { return status_; }
 
-  // Every pass but copy and product: writes `nodes` nodes from `first_node` on. `direction` has
-  // their words of d, `written` gets those for the copies of d if the pass makes such.
-  void write(int first_node, int nodes, const std::int32_t* direction, std::int32_t* written);
+  // The words of the nodes from this one on as they stand in the memories, with these of d.
+  LaneWords words(int first_node, const std::int32_t* direction) const;
+  // Every pass but copy and product: writes `nodes` nodes from `first_node` on, made of their words
+  // `from`; `written` gets those for the copies of d if the pass makes such.
+  void write(int first_node, int nodes, const LaneWords& from, std::int32_t* written);
   // The product: the words of q from the exact sums of a node's rows, rounded and clamped once, and
   // its part of the pass' sums. `own` has the node's words of the multiplied vector.
   std::array<std::int32_t, 3> round_product(int node, const std::array<std::int64_t, 3>& sum,
                                             const std::array<std::int32_t, 3>& own);
+  // What a row adds to a product's sums, where it has its clocks.
+  struct RowPart {
+    fixed::Int128 dot = 0;
+    fixed::Int128 squares = 0;
+    std::uint64_t widest = 0;
+  };
+  // The same without the row's part of the sums, which it returns.
+  RowPart round_row(int node, const std::array<std::int64_t, 3>& sum,
+                    const std::array<std::int32_t, 3>& own, std::array<std::int32_t, 3>& q);
+  void add_dot(const RowPart& row) { status_.dot += row.dot; }
+  void add_squares(const RowPart& row) { status_.squares += row.squares; }
+  void add_widest(const RowPart& row) { status_.widest = std::max(status_.widest, row.widest); }
 
  private:
   // Nearly every value has room in its word.
@@ -101,13 +142,13 @@ class VectorLanes {
       return static_cast<std::int32_t>(value);
     return machine_.write(value, bits);
   }
-  void write_guess(std::size_t first, std::size_t count, std::int32_t* written);
-  void write_residual(std::size_t first, std::size_t count, const std::int32_t* direction,
+  void write_guess(std::size_t first, std::size_t count, const LaneWords& from,
+                   std::int32_t* written);
+  void write_residual(std::size_t first, std::size_t count, const LaneWords& from,
                       std::int32_t* written);
-  void write_update(std::size_t first, std::size_t count, const std::int32_t* direction,
+  void write_update(std::size_t first, std::size_t count, const LaneWords& from,
                     std::int32_t* written);
-  void write_direction(std::size_t first, std::size_t count, const std::int32_t* direction,
-                       std::int32_t* written);
+  void write_direction(std::size_t count, const LaneWords& from, std::int32_t* written);
   void precondition(std::size_t first, std::size_t count);
 
   VectorMemories memories_;
@@ -120,6 +161,7 @@ class VectorLanes {
 
   VectorCommand now_;
   VectorStatus status_;
+  std::vector<std::int32_t> before_;  // of a guess: the words of the solution before x
   WordShifter x_shift_, r_shift_, change_shift_, z_shift_, d_shift_, product_shift_;
   WordShifter preconditioner_shift_;
 };

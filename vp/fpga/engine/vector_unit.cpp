@@ -34,7 +34,8 @@ VectorUnit::VectorUnit(const sc_core::sc_module_name& name, const accel::Archite
       blocks_(blocks),
       ranks_(architecture.phase_clocks()),
       group_(ranks_.size()),
-      carried_(3 * at(architecture.nodes_per_clock) * ranks_.size()),
+      carried_(kVectors * 3 * at(architecture.nodes_per_clock) * ranks_.size()),
+      coefficients_(ranks_.size()),
       back_ranks_(architecture.vector_clocks()),
       back_count_(back_ranks_.size()),
       back_words_(back_ranks_.size() * at(architecture.nodes_per_clock)),
@@ -67,9 +68,15 @@ void VectorUnit::reset() {
 }
 
 void VectorUnit::clocked() {
-  if (command->read().number != lanes_.command().number) begin_pass();
+  const bool starts = command->read().number != lanes_.command().number;
+  if (starts) begin_pass();
+  const bool product = running_ && lanes_.command().pass == Pass::product;
+  if (carries_words_) {
+    address(starts);
+    if (!product) drain_rows();
+  }
   if (!running_) return;
-  if (lanes_.command().pass == Pass::product) {
+  if (product) {
     collect();
   } else {
     move_lanes();
@@ -91,6 +98,11 @@ void VectorUnit::begin_pass() {
 }
 
 void VectorUnit::finish_pass() {
+  // The largest word of q has those, too, that an index word's flip has brought beyond the system.
+  const int read = std::min(architecture_.memory_read_clocks, architecture_.vector_clocks()) - 1;
+  if (multiplies_ && !lanes_.command().hold) {
+    for (int rank = 0; rank < read; ++rank) round_rows(rank);
+  }
   status.write(lanes_.status());
   running_ = false;
 }
@@ -121,7 +133,7 @@ void VectorUnit::move_lanes() {
     accesses_left -= used;
   }
   enter_group(accesses_left);
-  if (lanes_.command().pass == Pass::copy) carry_x(ranks_.slot(architecture_.memory_read_clocks));
+  if (carries()) carry();
   write(written);
   done_nodes_ += group_[ranks_.slot(summed_age)].count;
 }
@@ -146,11 +158,6 @@ void VectorUnit::enter_group(int accesses_left) {
   next_node_ += count;
 }
 
-void VectorUnit::carry_x(std::size_t slot) {
-  std::copy_n(memories().x.begin() + 3 * group_[slot].first, 3 * group_[slot].count,
-              &carried_[3 * at(architecture_.nodes_per_clock) * slot]);
-}
-
 void VectorUnit::write(std::size_t slot) {
   const Group& group = group_[slot];
   if (group.count == 0 || lanes_.command().hold) return;
@@ -159,11 +166,18 @@ void VectorUnit::write(std::size_t slot) {
   const std::uint32_t number = direction_write.read().number + 1;
   std::int32_t* const words = &direction_words_[(number & 1U) * direction_words_.size() / 2];
   if (lanes_.command().pass == Pass::copy) {
-    std::copy_n(&carried_[3 * at(architecture_.nodes_per_clock) * slot], 3 * group.count, words);
+    std::copy_n(carried_words(slot).x, 3 * group.count, words);
   } else {
-    lanes_.write(group.first, group.count, blocks_.front()->direction(group.first), words);
+    const LaneWords from = carries()
+                               ? carried_words(slot)
+                               : lanes_.words(group.first, blocks_.front()->direction(group.first));
+    lanes_.write(group.first, group.count, from, words);
   }
   if (writes_direction_) direction_write.write({group.first, group.count, number, words});
+}
+
+int VectorUnit::bank(int node) const {
+  return node < nodes_ ? bank_[at(node)] : node % architecture_.nodes_per_clock;
 }
 
 bool VectorUnit::has_row(std::size_t block) const {
@@ -174,14 +188,19 @@ bool VectorUnit::has_row(std::size_t block) const {
 bool VectorUnit::take(std::size_t block) {
   Results& results = results_[block];
   const RowResult& row = blocks_[block]->result_in(results.place);
-  std::uint8_t& written = bank_written_[at(bank_[at(row.node)])];
+  std::uint8_t& written = bank_written_[at(bank(row.node))];
   if (written != 0) return false;
   written = 1;
   int& count = back_count_[back_ranks_.entering()];
   ProductWords& words =
       back_words_[back_ranks_.entering() * at(architecture_.nodes_per_clock) + at(count)];
   words.node = row.node;
-  if (!lanes_.command().hold) words.q = lanes_.round_product(row.node, row.sum, row.own);
+  if (carries_words_) {
+    words.sum = row.sum;
+    words.own = row.own;
+  } else if (!lanes_.command().hold) {
+    words.q = lanes_.round_product(row.node, row.sum, row.own);
+  }
   ++count;
   results.place = blocks_[block]->next_place(results.place);
   taken[block]->write(++results.taken);
@@ -208,18 +227,21 @@ void VectorUnit::collect() {
       first_block_ = block;
     }
   }
+  if (carries_words_ && !lanes_.command().hold) carry_rows();
+  done_nodes_ += back_count_[back_ranks_.slot(architecture_.vector_clocks() - 1)];
   write_back();
 }
 
 void VectorUnit::write_back() {
   const std::size_t slot = back_ranks_.slot(architecture_.vector_clocks() - 1);
   const int count = back_count_[slot];
-  done_nodes_ += count;
   if (lanes_.command().hold || count == 0) return;
   const ProductWords* const words = &back_words_[slot * at(architecture_.nodes_per_clock)];
-  const auto lane = [this](const ProductWords& row) { return bank_[at(row.node)]; };
-  written_node_ = std::ranges::min_element(words, words + count, {}, lane)->node;
+  const auto lane = [this](const ProductWords& row) { return bank(row.node); };
+  const int first = std::ranges::min_element(words, words + count, {}, lane)->node;
+  if (first < nodes_) written_node_ = first;
   for (int i = 0; i < count; ++i) {
+    if (words[i].node >= nodes_) continue;  // by a flip: a word of the memory that no node has
     std::ranges::copy(words[i].q, lanes_.memories().q.begin() + 3 * words[i].node);
   }
 }

@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <memory>
+#include <span>
 #include <systemc>
 #include <vector>
 
@@ -49,6 +50,17 @@ class VectorUnit : public sc_core::sc_module {
   }
   // The clamped and wrapped words and the flags since it was cleared.
   fixed::Report& report() { return lanes_.report(); }
+  // From now on the ranks carry their words, since bits of the memories may flip. To be called
+  // while no solve runs.
+  void carry_words() { carries_words_ = true; }
+  // Flips a bit of the coefficient as the pass that runs multiplies by it.
+  void flip_coefficient(int bit) { lanes_.coefficient() ^= std::int32_t{1} << bit; }
+  std::uint32_t pass_number() const { return lanes_.command().number; }
+
+  // Where words are carried, what the blocks see at this edge: whether a product runs, and the node
+  // that a pass has read of d, which a pass' end leaves behind the last one.
+  bool multiplies() const { return multiplies_; }
+  int addressed() const { return addressed_; }
 
   // For traces.
   int position() const { return next_node_; }
@@ -71,19 +83,38 @@ class VectorUnit : public sc_core::sc_module {
   struct ProductWords {
     int node = 0;
     std::array<std::int32_t, 3> q{};
+    // Where words are carried, what q is made of with the row's words of b, and what it adds.
+    std::array<std::int64_t, 3> sum{};
+    std::array<std::int32_t, 3> own{};
+    VectorLanes::RowPart part;
+  };
+  // What a group's lanes have read: kVectors vectors of three words a node.
+  static constexpr std::size_t kVectors = 8;
+  struct Carried {
+    std::int32_t of_d = 0;
+    std::int32_t of_q = 0;
   };
 
   void begin_pass();
   void move_lanes();
   void enter_group(int accesses_left);
-  void carry_x(std::size_t slot);
+  bool carries() const;
+  void carry();
+  std::int32_t* carried(std::size_t slot, std::size_t vector);
+  LaneWords carried_words(std::size_t slot);
   void write(std::size_t slot);
   void finish_pass();
 
   void collect();
   bool has_row(std::size_t block) const;
   bool take(std::size_t block);
+  void carry_rows();
+  void round_rows(int rank);
+  void drain_rows();
+  std::span<ProductWords> rows_at(int rank);
+  void address(bool starts);
   void write_back();
+  int bank(int node) const;
 
   int accesses(int nodes, int each) const;
 
@@ -102,8 +133,15 @@ class VectorUnit : public sc_core::sc_module {
 
   Ranks ranks_;
   std::vector<Group> group_;
-  // Of a copy: the words of x, which the host may write while they pass.
+  // Of a copy the words of x, which the host may write while they pass; of a guess; and of all
+  // passes where bits of the memories may flip.
+  bool carries_words_ = false;
   std::vector<std::int32_t> carried_;
+  std::vector<Carried> coefficients_;
+  bool multiplies_ = false;
+  int addressed_ = 0;
+  int address_ = 0;       // with the next edge
+  int next_address_ = 0;  // of the group that enters next
 
   // The rows between the result memories and q, up to L in a slot.
   Ranks back_ranks_;
@@ -111,7 +149,7 @@ class VectorUnit : public sc_core::sc_module {
   std::vector<ProductWords> back_words_;
   std::vector<Results> results_;
   std::size_t first_block_ = 0;  // the block whose turn it is
-  std::vector<int> bank_;        // of q, for each node
+  std::vector<int> bank_;        // of q, for each node; none for those beyond the system
   std::vector<std::uint8_t> bank_written_;
   std::vector<std::int32_t> direction_words_;
   int written_node_ = 0;

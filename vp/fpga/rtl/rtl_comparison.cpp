@@ -14,6 +14,9 @@ namespace {
 // The first state of a solve; a copy of x may have begun behind it.
 constexpr auto kFirstState = static_cast<std::size_t>(engine::State::guess);
 
+// The RTL engine gets so many clocks more to come to its end, for the difference to be named.
+constexpr std::int64_t kPatience = 100'000;
+
 std::int64_t solve_clocks(const engine::StateClocks& clocks) {
   return std::accumulate(clocks.begin() + kFirstState, clocks.end(), std::int64_t{0});
 }
@@ -25,12 +28,16 @@ stability::Flags of_hardware(stability::Flags flags) {
   return flags.without(Flag::zero_diagonal).without(Flag::negative_curvature);
 }
 
-std::int64_t now_ps() { return static_cast<std::int64_t>(sc_core::sc_time_stamp().value()); }
+std::int64_t in_ps(const sc_core::sc_time& time) { return static_cast<std::int64_t>(time.value()); }
+std::int64_t now_ps() { return in_ps(sc_core::sc_time_stamp()); }
 
 }  // namespace
 
 void RtlComparison::load(const fixed::QuantisedMatrix& matrix, const fixed::Settings& settings) {
   solving_ = false;
+  waits_ = false;
+  b_.clear();
+  index_flips_.clear();
   rtl_.load(matrix, settings);
 }
 
@@ -38,42 +45,109 @@ void RtlComparison::open_waveform(const std::string& path, const engine::TraceWi
   waveform_ = std::make_unique<RtlWaveform>(rtl_, engine_.name(), path, window, period_ps());
 }
 
-std::int64_t RtlComparison::period_ps() const {
-  return static_cast<std::int64_t>(engine_.clock().period().value());
+void RtlComparison::close_waveform() {
+  if (!waveform_) return;
+  rtl_.end_copy();
+  waveform_->close();
+  waveform_.reset();
 }
 
-void RtlComparison::begin_copy() {
-  copied_from_ = sc_core::sc_time_stamp();
-  if (waveform_) waveform_->begin_copy(now_ps());
+std::int64_t RtlComparison::period_ps() const { return in_ps(engine_.clock().period()); }
+
+void RtlComparison::begin_copy(const sc_core::sc_time& from) {
+  copied_from_ = from;
+  if (waveform_) waveform_->begin_copy(in_ps(from));
+}
+
+// A host's write ends the copy in RTL. While it has clocks left, in which bits of it may flip, the
+// words wait for its end.
+void RtlComparison::write_b(std::span<const std::int32_t> words) {
+  if (expects_flips_ && difference_.empty()) catch_up();
+  if (rtl_.copying()) {
+    b_.assign(words.begin(), words.end());
+  } else {
+    b_.clear();
+    rtl_.write_b(words);
+  }
 }
 
 void RtlComparison::write_x(std::span<const std::int32_t> words) {
-  begin_copy();
+  rtl_.end_copy();
+  begin_copy(sc_core::sc_time_stamp());
   rtl_.write_x(words);
+  if (!expects_flips_) rtl_.end_copy();
 }
 
 std::int64_t RtlComparison::edges_since(const sc_core::sc_time& time) const {
-  const sc_core::sc_time passed = sc_core::sc_time_stamp() - time;
-  return static_cast<std::int64_t>(passed.value()) / period_ps();
+  return (now_ps() - in_ps(time)) / period_ps();
 }
 
 void RtlComparison::start_solve(const fixed::Settings& settings) {
   started_ = sc_core::sc_time_stamp();
-  const bool copies = engine_.sequencer().state() == engine::State::copy;
-  waited_ = copies ? rtl_.copy_clocks() - edges_since(copied_from_) : 0;
+  settings_ = settings;
   turn_waits_ = turn_waits();
   room_waits_ = room_waits();
-  rtl_.start_solve(settings);
   ++started_solves_;
-  if (waveform_) {
-    waveform_->set_job(started_solves_);
-    waveform_->begin_order(now_ps() + waited_ * period_ps(), waited_);
-  }
   solving_ = true;
   matrix_is_compared_ = false;
-  compare_words(Vector::b, engine_.vector_unit().memories().b);
-  compare_words(Vector::x, engine_.vector_unit().memories().x);
-  if (!copies) compare_direction();
+  waits_ = engine_.sequencer().state() == engine::State::copy;
+  solve_from_ = started_;
+  waited_ = 0;
+  // What a copy leaves, and what is written behind it, is not there yet.
+  if (!waits_ || !rtl_.copying()) {
+    const bool copies = waits_;
+    begin_solve();
+    compare_words(Vector::b, engine_.vector_unit().memories().b);
+    compare_words(Vector::x, engine_.vector_unit().memories().x);
+    if (!copies) compare_direction();
+  }
+}
+
+void RtlComparison::begin_solve() {
+  rtl_.end_copy();
+  if (waits_) {
+    const auto copied = static_cast<double>(rtl_.copy_clocks()) * engine_.clock().period();
+    solve_from_ = std::max(started_, copied_from_ + copied);
+    waited_ = (in_ps(solve_from_) - in_ps(started_) + period_ps() - 1) / period_ps();
+  }
+  waits_ = false;
+  if (!b_.empty()) rtl_.write_b(b_);
+  b_.clear();
+  rtl_.start_solve(settings_);
+  if (waveform_) {
+    waveform_->set_job(started_solves_);
+    waveform_->begin_order(in_ps(solve_from_), waited_);
+  }
+}
+
+void RtlComparison::catch_up() {
+  rtl_.run_copy_until(edges_since(copied_from_));
+  if (waits_ && !rtl_.copying()) begin_solve();
+  if (solving_ && !waits_) rtl_.run_until(solve_edges());
+}
+
+// Where the model's copy of x has begun, this one has made it already, as nobody else knew of its
+// clocks: it makes it again, of the same words.
+void RtlComparison::expect_flips() {
+  if (expects_flips_) return;
+  expects_flips_ = true;
+  rtl_.expect_flips();
+  if (solving_ || engine_.sequencer().state() != engine::State::copy) return;
+  if (waveform_) waveform_->begin_copy(in_ps(copied_from_));
+  rtl_.start_copy();
+}
+
+void RtlComparison::flip(const engine::Flip& flip) {
+  if (!difference_.empty()) return;
+  catch_up();
+  using Place = engine::FlipPlace;
+  if (flip.place == Place::b && !b_.empty()) {
+    std::int32_t& word = b_[3 * at(flip.node) + at(flip.component)];
+    word = static_cast<std::int32_t>(engine::flipped(word, flip.bit, rtl_.size().vector_bits));
+    return;
+  }
+  if (flip.place >= Place::nodes && flip.place <= Place::last) index_flips_.push_back(flip);
+  rtl_.flip(flip);
 }
 
 void RtlComparison::compare(const std::string& what, std::int64_t rtl, std::int64_t model) {
@@ -86,26 +160,45 @@ void RtlComparison::compare(const std::string& what, std::int64_t rtl, std::int6
 
 void RtlComparison::compare_words(Vector vector, std::span<const std::int32_t> model) {
   if (!difference_.empty()) return;
-  const EngineMemories& memories = rtl_.memories();
-  for (int copy = 0; copy < memories.copies(vector); ++copy) {
-    compared_.words += static_cast<std::int64_t>(model.size());
-    const std::optional<std::size_t> other = memories.mismatch(vector, model, copy);
-    if (!other) continue;
-    const auto node = static_cast<int>(*other / 3);
-    const auto component = static_cast<int>(*other % 3);
-    std::string what = name(vector);
-    if (vector == Vector::d) {
-      const int of_partition = memories.copies_in_partition();
-      what +=
-          of_partition == 1 ? " in the copy" : " in copy " + std::to_string(copy % of_partition);
-      what += " of partition " + std::to_string(copy / of_partition);
-    }
-    what += ", component " + std::to_string(component) + " of node " + std::to_string(node) + ",";
-    compare(what, memories.word(vector, node, component, copy), model[*other]);
+  for (int copy = 0; copy < rtl_.memories().copies(vector); ++copy) {
+    compare_copy(vector, copy, model);
   }
 }
 
-void RtlComparison::compare_direction() { compare_words(Vector::d, engine_.block(0).direction()); }
+void RtlComparison::compare_copy(Vector vector, int copy, std::span<const std::int32_t> model) {
+  if (!difference_.empty()) return;
+  const EngineMemories& memories = rtl_.memories();
+  compared_.words += static_cast<std::int64_t>(model.size());
+  const std::optional<std::size_t> other = memories.mismatch(vector, model, copy);
+  if (!other) return;
+  const auto node = static_cast<int>(*other / 3);
+  const auto component = static_cast<int>(*other % 3);
+  std::string what = name(vector);
+  if (vector == Vector::d) {
+    const int of_partition = memories.copies_in_partition();
+    what += of_partition == 1 ? " in the copy" : " in copy " + std::to_string(copy % of_partition);
+    what += " of partition " + std::to_string(copy / of_partition);
+  }
+  what += ", component " + std::to_string(component) + " of node " + std::to_string(node) + ",";
+  compare(what, memories.word(vector, node, component, copy), model[*other]);
+}
+
+// A word that has flipped is that of one copy.
+void RtlComparison::compare_direction() {
+  if (!engine_.carries_words()) {
+    compare_words(Vector::d, engine_.block(0).direction());
+    return;
+  }
+  std::vector<std::int32_t> words(engine_.block(0).direction().size());
+  const int copies = rtl_.memories().copies_in_partition();
+  for (int copy = 0; copy < rtl_.memories().copies(Vector::d); ++copy) {
+    const engine::SpmxvBlock& block = engine_.block(copy / copies);
+    for (std::size_t i = 0; i < words.size(); ++i) {
+      words[i] = block.direction_word(static_cast<int>(i) / 3, static_cast<int>(i) % 3);
+    }
+    compare_copy(Vector::d, copy, words);
+  }
+}
 
 void RtlComparison::compare_vectors() {
   const engine::VectorMemories& model = engine_.vector_unit().memories();
@@ -142,7 +235,8 @@ void RtlComparison::compare_matrix() {
 
 void RtlComparison::iteration(const fixed::IterationState& state) {
   if (!difference_.empty()) return;
-  rtl_.run_iteration();
+  if (waits_) begin_solve();
+  rtl_.run_iteration(solve_edges());
   const EnginePorts& ports = rtl_.ports();
   const engine::VectorMemories& model = engine_.vector_unit().memories();
   // What depends on others comes after them, so that the first difference is the cause.
@@ -197,9 +291,10 @@ void RtlComparison::compare_x() {
 }
 
 void RtlComparison::end_solve() {
+  if (difference_.empty() && waits_) begin_solve();
   solving_ = false;
   if (!difference_.empty()) return;
-  rtl_.run_to_end();
+  rtl_.run_until(solve_clocks(engine_.state_clocks()) + kPatience);
   ++compared_.solves;
   compared_.iterations += rtl_.ports().iterations_made;
   compared_.clocks += rtl_.clocks();
@@ -229,30 +324,40 @@ void RtlComparison::end_solve() {
   // The engine begins to copy x at the instant of the end, and may be through by now.
   const bool copies = engine_.sequencer().state() == engine::State::copy;
   if (copies && edges_since(started_) == engine_.clocks()) compare_direction();
-  begin_copy();
-  rtl_.copy_x();
+  begin_copy(engine_.ended());
+  rtl_.start_copy();
+  if (!expects_flips_ || !copies) rtl_.end_copy();
   if (!copies) compare_direction();
 }
 
-void RtlComparison::constrain(int node, std::int32_t diagonal) {
+// The cycle-accurate engine's editor knows the pattern that was loaded: what has flipped in the
+// index words does not lead this one elsewhere.
+void RtlComparison::edit(int node, const std::function<std::int64_t()>& edited, const char* what) {
+  rtl_.end_copy();
   if (waveform_) waveform_->begin_order(now_ps(), 0);
-  compare("the number of clocks in which node " + std::to_string(node) + " is constrained",
-          rtl_.constrain(node, diagonal), engine_.update_clocks());
+  for (const engine::Flip& flip : index_flips_) rtl_.flip(flip);
+  const std::int64_t clocks = edited();
+  for (const engine::Flip& flip : index_flips_) rtl_.flip(flip);
+  compare("the number of clocks in which node " + std::to_string(node) + " is " + what, clocks,
+          engine_.update_clocks());
   ++compared_.updates;
+}
+
+void RtlComparison::constrain(int node, std::int32_t diagonal) {
+  edit(
+      node, [&] { return rtl_.constrain(node, diagonal); }, "constrained");
 }
 
 void RtlComparison::restore(int node, std::span<const std::int32_t> row) {
-  if (waveform_) waveform_->begin_order(now_ps(), 0);
-  compare("the number of clocks in which node " + std::to_string(node) + " is restored",
-          rtl_.restore(node, row), engine_.update_clocks());
-  ++compared_.updates;
+  edit(
+      node, [&] { return rtl_.restore(node, row); }, "restored");
 }
 
 void RtlComparison::abort() {
-  const bool compares =
-      solving_ && difference_.empty() && engine_.sequencer().state() != engine::State::copy;
+  const bool copies = engine_.sequencer().state() == engine::State::copy;
+  if (difference_.empty() && (expects_flips_ || !copies)) catch_up();
+  const bool compares = solving_ && !waits_ && difference_.empty() && !copies;
   if (compares) {
-    rtl_.run_until(edges_since(started_) - waited_);
     ++compared_.aborted;
     compared_.iterations += rtl_.ports().iterations_made;
     compared_.clocks += rtl_.clocks();
@@ -266,6 +371,8 @@ void RtlComparison::abort() {
     }
   }
   solving_ = false;
+  waits_ = false;
+  b_.clear();
   rtl_.abort();
   if (compares) compare_x();
 }

@@ -40,7 +40,8 @@ void RtlEngine::reset() {
 }
 
 void RtlEngine::abort() {
-  tell('a', idle() ? 0 : clocks_);
+  tell('a', idle() || copying_ ? 0 : clocks_);
+  copying_ = false;
   reset();
 }
 
@@ -56,6 +57,7 @@ void RtlEngine::record_solve() {
 }
 
 void RtlEngine::write(Space space, std::uint32_t address, std::int64_t word) {
+  end_copy();
   ports_.host_write = true;
   ports_.host_space = space;
   ports_.host_address = address;
@@ -76,6 +78,7 @@ void RtlEngine::load(const fixed::QuantisedMatrix& matrix, const fixed::Settings
   }
   settings_ = settings;
   set(0, nodes_);
+  packages_.clear();
   std::vector<std::int32_t> words(3 * at(size_.package));
   for (int p = 0; p < size_.partitions; ++p) {
     const engine::Partition& partition = layout.partitions()[at(p)];
@@ -85,6 +88,7 @@ void RtlEngine::load(const fixed::QuantisedMatrix& matrix, const fixed::Settings
                                          "\" has memories for " +
                                          std::to_string(1 << size_.package_bits));
     }
+    packages_.push_back(partition.packages());
     write(Space::packages, place(p, 0, 0), partition.packages());
     for (int k = 0; k < partition.packages(); ++k) {
       const int row = partition.owner[at(k)];
@@ -107,7 +111,10 @@ void RtlEngine::load(const fixed::QuantisedMatrix& matrix, const fixed::Settings
   // No clocks of the engine: the cycle-accurate one has no such copy.
   const std::function<void()> watcher = std::exchange(watcher_, {});
   write_x(zeros);
+  end_copy();
   watcher_ = watcher;
+  has_solved_ = false;
+  if (expects_flips_) clear_q();
 }
 
 void RtlEngine::write_places(const engine::Layout& layout, const fixed::QuantisedMatrix& matrix) {
@@ -140,6 +147,7 @@ std::int64_t RtlEngine::restore(int node, std::span<const std::int32_t> row) {
 }
 
 std::int64_t RtlEngine::edit(int node, bool restores, std::int32_t diagonal) {
+  end_copy();
   set(10, node);
   set(11, restores ? 1 : 0);
   set(12, diagonal);
@@ -183,11 +191,13 @@ void RtlEngine::write_vector(Space space, std::span<const std::int32_t> words) {
 void RtlEngine::write_b(std::span<const std::int32_t> words) { write_vector(Space::b, words); }
 
 void RtlEngine::write_x(std::span<const std::int32_t> words) {
+  end_copy();
   write_vector(Space::x, words);
-  copy_x();
+  start_copy();
 }
 
 void RtlEngine::read_x(std::span<std::int32_t> words) {
+  end_copy();
   for (std::size_t node = 0; node < words.size() / 3; ++node) {
     ports_.host_address = static_cast<std::uint32_t>(node << 2U);
     model_->tick();
@@ -202,23 +212,33 @@ void RtlEngine::read_x(std::span<std::int32_t> words) {
 }
 
 void RtlEngine::forget_previous() {
+  end_copy();
   ports_.forget_previous = true;
   model_->tick();
   ports_.forget_previous = false;
   tell('f', 0);
 }
 
-void RtlEngine::copy_x() {
+void RtlEngine::start_copy() {
+  end_copy();
   ports_.copy = true;
   model_->tick();
   ports_.copy = false;
   copy_clocks_ = 0;
-  while (!idle()) {
+  copying_ = true;
+}
+
+void RtlEngine::run_copy_until(std::int64_t clocks) {
+  if (!copying_) return;
+  while (!idle() && copy_clocks_ < clocks) {
     tick();
     if (++copy_clocks_ == kHangs) throw std::logic_error("the RTL engine's copy of x has no end");
   }
-  tell('c', copy_clocks_);
+  copying_ = !idle();
+  if (!copying_) tell('c', copy_clocks_);
 }
+
+void RtlEngine::end_copy() { run_copy_until(kHangs); }
 
 void RtlEngine::set_all(const fixed::Settings& s) {
   const auto rounding = [](fixed::Rounding r) { return static_cast<int>(r); };
@@ -242,10 +262,12 @@ void RtlEngine::set_all(const fixed::Settings& s) {
 
 void RtlEngine::start_solve(const fixed::Settings& settings) {
   require_fitting(size_, settings);
+  end_copy();
   settings_ = settings;
   set_all(settings);
   clocks_ = 0;
   state_clocks_ = {};
+  has_solved_ = true;
   ports_.go = true;
   model_->tick();
   ports_.go = false;
@@ -264,16 +286,12 @@ void RtlEngine::solve_clock() {
   record_solve();
 }
 
-bool RtlEngine::run_iteration() {
-  while (!idle()) {
+bool RtlEngine::run_iteration(std::int64_t most) {
+  while (!idle() && clocks_ < most) {
     solve_clock();
     if (ports_.iteration_made) return true;
   }
   return false;
-}
-
-void RtlEngine::run_to_end() {
-  while (!idle()) solve_clock();
 }
 
 void RtlEngine::run_until(std::int64_t clocks) {

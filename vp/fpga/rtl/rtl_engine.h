@@ -11,6 +11,7 @@
 #include "models/fixed/quantised_matrix.h"
 #include "models/fixed/settings.h"
 #include "models/fixed/solver.h"
+#include "vp/fpga/engine/flip.h"
 #include "vp/fpga/engine/layout.h"
 #include "vp/fpga/engine/sequencer.h"
 #include "vp/fpga/engine_port_sink.h"
@@ -39,20 +40,29 @@ class RtlEngine {
   // "partitions" if the memories are too small.
   void load(const fixed::QuantisedMatrix& matrix, const fixed::Settings& settings);
   void write_b(std::span<const std::int32_t> words);
-  // Also copies x into the copies of d; the copy's clocks are those of copy_clocks().
+  // Also orders a copy of x into the copies of d.
   void write_x(std::span<const std::int32_t> words);
   void read_x(std::span<std::int32_t> words);
   void forget_previous();
 
   // Orders a solve; the members below give it clocks.
   void start_solve(const fixed::Settings& settings);
-  // Runs until the words of the next iteration are written; false if the solve is over before.
-  bool run_iteration();
-  void run_to_end();
+  // Runs until the words of the next iteration are written; false if the solve is over, or has had
+  // so many clocks, before.
+  bool run_iteration(std::int64_t most);
   // Runs until the solve has had so many clocks, or is over.
   void run_until(std::int64_t clocks);
-  // Copies x into the copies of d, as the engine does when a solve is over.
-  void copy_x();
+  // Orders a copy of x into the copies of d, as the engine does when a solve is over. Every other
+  // order and read but a run of its clocks ends it first.
+  void start_copy();
+  // Runs it until it has had so many clocks, or is over.
+  void run_copy_until(std::int64_t clocks);
+  void end_copy();
+  // From now on bits may flip: what nothing else reads before it is written begins as in the
+  // cycle-accurate engine. Throws std::logic_error for a size whose packages take turns.
+  void expect_flips();
+  // Flips a bit of a memory or register.
+  void flip(const engine::Flip& flip);
   void abort();
   // Clears the row and the column of a node but for `diagonal`, or restores them from a row as
   // engine::CycleEngine does. Returns the clocks that it takes.
@@ -65,7 +75,9 @@ class RtlEngine {
   EngineModel& model() { return *model_; }
 
   bool idle() const { return ports_.state == 0; }
+  bool copying() const { return copying_; }
   std::int64_t clocks() const { return clocks_; }  // of the last solve, without a wait for x
+  // Of the last copy, once it is over.
   std::int64_t copy_clocks() const { return copy_clocks_; }
   const engine::StateClocks& state_clocks() const { return state_clocks_; }
   // What the hardware knows of the last solve.
@@ -92,6 +104,13 @@ class RtlEngine {
   void record_solve();
   void tell(char what, std::int64_t first, std::int64_t second = 0, std::int64_t third = 0) const;
   void tick();
+  void flip_index(int partition, int package, int bit);
+  void clear_unused();
+  void clear_q();
+  // Nodes that a package touches.
+  int nodes_in_package() const {
+    return size_.package % 3 == 0 ? size_.package / 3 : (size_.package + 1) / 3 + 1;
+  }
 
   const EngineSize& size_;
   accel::Architecture architecture_;
@@ -101,8 +120,12 @@ class RtlEngine {
   fixed::Settings settings_;
   std::function<void()> watcher_;
   int nodes_ = 0;
+  std::vector<int> packages_;  // of the partitions
   std::int64_t clocks_ = 0;
   std::int64_t copy_clocks_ = 0;
+  bool copying_ = false;
+  bool expects_flips_ = false;
+  bool has_solved_ = false;  // since the matrix was loaded
   engine::StateClocks state_clocks_{};
 };
 

@@ -69,7 +69,7 @@ void RtlWaveform::add_worth(std::string name, std::function<double()> value) {
 void RtlWaveform::declare(const std::string& scope) {
   const EnginePorts& ports = engine_.ports();
   add(scope + "clock_edge", 1, [this] { return clock_ ? 1 : 0; });
-  add(scope + "frame", 64, [this] { return window_.frame(); });
+  add(scope + "frame", 64, [this] { return frame(); });
   add(scope + "job", 64, [this] { return job_; });
   add(scope + "edge_of_job", 64, [this] { return edges_; });
   const std::string sequencer = scope + "sequencer.";
@@ -133,12 +133,14 @@ void RtlWaveform::declare_vectors(const std::string& unit) {
 
 void RtlWaveform::begin_order(std::int64_t time_ps, std::int64_t edges) {
   time_ps_ = time_ps;
+  copy_frame_.reset();
   edges_ = edges;
   counts_ = true;
 }
 
 void RtlWaveform::begin_copy(std::int64_t time_ps) {
   time_ps_ = time_ps;
+  copy_frame_ = window_.frame();
   counts_ = false;
 }
 
@@ -161,8 +163,8 @@ void RtlWaveform::edge() {
   time_ps_ += period_ps_;
   if (counts_) ++edges_;
   note_written_node();
-  const std::int64_t frame = window_.frame();
   // A change of the matrix beside a copy is made behind it here: its first edges are not shown.
+  const std::int64_t frame = this->frame();
   if (frame < window_.first || frame > window_.last || time_ps_ <= dumped_ps_) return;
   dumped_ps_ = time_ps_;
   clock_ = !clock_;

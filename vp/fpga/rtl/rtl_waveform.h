@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <functional>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -48,6 +49,7 @@ class RtlWaveform {
   void add(std::string name, int bits, std::function<std::int64_t()> value);
   void add_worth(std::string name, std::function<double()> value);
   void edge();
+  std::int64_t frame() const { return copy_frame_ ? *copy_frame_ : window_.frame(); }
   void open();
   void note_written_node();
 
@@ -60,6 +62,7 @@ class RtlWaveform {
   std::int64_t time_ps_ = 0;  // of the last edge
   std::int64_t dumped_ps_ = 0;
   std::int64_t job_ = 0;
+  std::optional<std::int64_t> copy_frame_;  // in which a copy of x began; empty: none is shown
   std::int64_t edges_ = 0;
   bool counts_ = false;
   bool clock_ = false;  // changes at every edge

@@ -3,6 +3,7 @@
 #include <bit>
 #include <memory>
 #include <stdexcept>
+#include <string>
 
 // Verilator's headers take SystemC's clock for theirs and expect its name here.
 #include <systemc>

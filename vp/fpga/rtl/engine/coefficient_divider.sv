@@ -43,14 +43,14 @@ module coefficient_divider
   logic [W-1:0] divisor;
   logic [Steps-1:0] quotient;
   logic [CountBits-1:0] left;
-  logic zero, less, up;
+  logic zero, nothing, less, up;  // the divisor is nothing by a flipped bit only
 
   wire signed [W+1:0] difference = $signed({1'b0, rest}) - $signed({2'b00, divisor});
   wire fits = !difference[W+1];
   wire numerator_by_eight = !zero && rest[W-1-:8] == '0;
-  wire divisor_by_eight = divisor[W-1-:8] == '0;
+  wire divisor_by_eight = !nothing && divisor[W-1-:8] == '0;
   wire numerator_by_one = !zero && !rest[W-1];
-  wire divisor_by_one = !divisor[W-1];
+  wire divisor_by_one = !nothing && !divisor[W-1];
   wire [Steps:0] rounded = {1'b0, quotient} + (Steps + 1)'(up);
 
   always_ff @(posedge clock) begin
@@ -61,6 +61,7 @@ module coefficient_divider
         rest <= {1'b0, numerator};
         divisor <= denominator;
         zero <= numerator == '0;
+        nothing <= denominator == '0;
         exponent <= '0;
         state <= Eights;
       end

@@ -1,0 +1,196 @@
+// Bits that flip in the engine in SystemVerilog and in the cycle-accurate one: at any place and
+// clock both go on equally wrong.
+#include <algorithm>
+#include <array>
+#include <cstdio>
+#include <cstdlib>
+#include <string>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "tests/vp/engine/random_systems.h"
+#include "tests/vp/engine/rtl_pair.h"
+
+namespace hvp::vp::rtl::rtl_flip_test {
+namespace {
+
+using engine::Flip;
+using engine::FlipPlace;
+using fixed::Settings;
+using test::Pair;
+using test::Random;
+using test::settings_of;
+using test::words;
+
+constexpr std::int64_t kNoEnd = 60'000;  // clocks
+
+Settings random_settings(const EngineSize& size, Random& random) {
+  Settings s = settings_of(size);
+  s.start = static_cast<fixed::Start>(random.below(3));
+  s.iterations = 1 + random.below(8);
+  s.dynamic_scaling = random.below(4) != 0;
+  s.shift_rounding = static_cast<fixed::Rounding>(random.below(3));
+  s.static_shift = std::min(15, size.matrix_bits - 3 + random.below(4));
+  s.stop_residual = random.below(4) == 0 ? 0.2 * random.uniform() : 0;
+  s.replace_residual_every = random.below(3) == 0 ? 1 + random.below(3) : 0;
+  return s;
+}
+
+Flip random_flip(const engine::CycleEngine& engine, FlipPlace place, Random& random) {
+  Flip flip{.place = place};
+  for (const engine::FlipIndex& index : engine::kFlipIndices) {
+    if (!has_index(place, index.index)) continue;
+    const int range = engine.flip_range(flip, index.index);
+    if (range == 0) return {};  // an empty partition
+    flip.*index.index = random.below(range);
+  }
+  return flip;
+}
+
+std::string described(const Flip& flip) {
+  std::string text = name(flip.place);
+  for (const engine::FlipIndex& index : engine::kFlipIndices) {
+    if (flip.*index.index < 0) continue;
+    text += std::string(" ") + index.key + " " + std::to_string(flip.*index.index);
+  }
+  return text;
+}
+
+// What flips at a place have come to.
+struct Seen {
+  int flips = 0, idle = 0, other_words = 0, no_end = 0, breakdowns = 0;
+};
+
+class Flips {
+ public:
+  Flips(const EngineSize& size, std::uint64_t seed) : pair_(size), random_(seed), size_(size) {}
+
+  void system() {
+    settings_ = random_settings(size_, random_);
+    matrix_ = hvp::test::random_matrix(1 + random_.below(std::min(80, 1 << size_.node_bits)),
+                                       1 + random_.below(12), size_.matrix_bits, random_);
+    load();
+    for (int j = 0; j < 4; ++j) {
+      if (testing::Test::HasFatalFailure()) return;
+      job(j > 0);
+    }
+  }
+
+  void print() const {
+    for (std::size_t i = 0; i < seen_.size(); ++i) {
+      const Seen& s = seen_[i];
+      std::printf(
+          "%-12s %4d flips, %3d while idle; in their job %3d other words of x, %3d without "
+          "an end, %3d breakdowns\n",
+          name(static_cast<FlipPlace>(i)), s.flips, s.idle, s.other_words, s.no_end, s.breakdowns);
+    }
+    pair_.print(size_.name);
+  }
+  const Seen& seen(FlipPlace place) const { return seen_[static_cast<std::size_t>(place)]; }
+
+ private:
+  void load() {
+    pair_.load(matrix_, settings_);
+    pair_.engine.carry_words();
+    pair_.both.expect_flips();
+    pair_.write_x(words(matrix_.rows(), size_.vector_bits, random_));
+    clocks_ = 0;
+  }
+
+  void run_to(std::int64_t clock) {
+    const sc_core::sc_time end =
+        started_ + static_cast<double>(2 * clock + 1) * pair_.engine.clock().period() / 2;
+    if (end > sc_core::sc_time_stamp()) sc_core::sc_start(end - sc_core::sc_time_stamp());
+  }
+
+  void flip_at(std::int64_t clock, const Flip& flip) {
+    SCOPED_TRACE(described(flip) + " at clock " + std::to_string(clock) + " in " +
+                 engine::name(pair_.engine.sequencer().state()));
+    pair_.both.flip(flip);
+    pair_.engine.flip(flip);
+  }
+
+  // Ends the job, if it has an end.
+  bool ended() {
+    run_to(kNoEnd);
+    if (pair_.engine.idle()) return true;
+    pair_.both.abort();
+    pair_.engine.abort();
+    EXPECT_EQ(pair_.both.difference(), "");
+    load();
+    return false;
+  }
+
+  void job(bool flips) {
+    const std::vector<std::int32_t> b = words(matrix_.rows(), size_.vector_bits, random_);
+    pair_.both.write_b(b);
+    pair_.engine.write_b(b);
+    const auto place = static_cast<FlipPlace>(random_.below(engine::kFlipPlaces));
+    const Flip flip = random_flip(pair_.engine, place, random_);
+    started_ = sc_core::sc_time_stamp();
+    pair_.start(settings_);
+    // Also behind the job's end, into the copy of x and behind that.
+    const std::int64_t clock = random_.below(static_cast<int>(clocks_ + clocks_ / 8 + 60));
+    SCOPED_TRACE(described(flip) + " at clock " + std::to_string(clock));
+    const bool strikes = flips && flip.bit >= 0;
+    Seen& seen = seen_[static_cast<std::size_t>(flip.place)];
+    bool idle = false;
+    if (strikes) {
+      run_to(clock);
+      idle = pair_.engine.idle();
+      if (idle) {
+        pair_.both.end_solve();
+        ASSERT_EQ(pair_.both.difference(), "");
+      }
+      state_ = pair_.engine.sequencer().state();
+      flip_at(clock, flip);
+      ++seen.flips;
+      seen.idle += idle ? 1 : 0;
+    }
+    SCOPED_TRACE(std::string("in ") + engine::name(state_));
+    const bool ends = ended();
+    if (!ends) ++seen.no_end;
+    if (!ends || testing::Test::HasFailure()) return;
+    if (!idle) pair_.both.end_solve();
+    ASSERT_EQ(pair_.both.difference(), "");
+    ++pair_.solves;
+    clocks_ = pair_.engine.clocks();
+    if (strikes && !idle) seen.breakdowns += pair_.engine.report().breakdowns;
+  }
+
+  Pair pair_;
+  Random random_;
+  const EngineSize& size_;
+  Settings settings_;
+  fixed::QuantisedMatrix matrix_;
+  std::int64_t clocks_ = 0;
+  sc_core::sc_time started_;
+  engine::State state_ = engine::State::idle;
+  std::array<Seen, engine::kFlipPlaces> seen_{};
+};
+
+class RtlFlips : public testing::TestWithParam<const EngineSize*> {};
+
+TEST_P(RtlFlips, LeaveBothEquallyWrong) {
+  const EngineSize& size = *GetParam();
+  if (size.direction_memory != accel::DirectionMemory::double_pumped || size.direction_banks > 1 ||
+      size.rows_in_parallel < 3) {
+    GTEST_SKIP() << "packages take turns";
+  }
+  const char* const wanted = std::getenv("HVP_RTL_SYSTEMS");
+  const int systems = wanted == nullptr ? 150 : std::max(150, std::atoi(wanted));
+  Flips flips(size, 11);
+  for (int i = 0; i < systems; ++i) {
+    SCOPED_TRACE("system " + std::to_string(i));
+    flips.system();
+    if (HasFailure()) break;
+  }
+  flips.print();
+}
+
+INSTANTIATE_TEST_SUITE_P(Engine, RtlFlips, testing::ValuesIn(test::sizes()),
+                         [](const auto& size) { return std::string(size.param->name); });
+
+}  // namespace
+}  // namespace hvp::vp::rtl::rtl_flip_test

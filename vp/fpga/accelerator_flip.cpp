@@ -1,0 +1,117 @@
+// Bits of the engine's memories and registers that flip, and what comes of them.
+#include <algorithm>
+#include <cstdlib>
+
+#include "models/accel/board.h"
+#include "models/index.h"
+#include "vp/fpga/accelerator.h"
+#include "vp/fpga/board_registers.h"
+#include "vp/fpga/register_bank.h"
+
+namespace hvp::vp {
+
+// The flips of the job that starts now, each half a clock behind its edge. From the first one on
+// the engine's pipelines carry their words.
+void Accelerator::plan_flips() {
+  if (faults_ == nullptr) return;
+  while (const Fault* const fault = faults_->strike(FaultKind::flip, frame_)) {
+    engine::Flip flip = fault->flip;
+    if (!complete(flip, *fault)) {
+      faults_->retract(*fault);
+      continue;
+    }
+    std::int64_t clock = fault->clock;
+    if (clock < 0) {
+      const accel::BoardClocks clocks(architecture_,
+                                      accel::pattern_of(matrix_.row_begin, matrix_.column));
+      const std::int64_t solve = clocks.solve(accel::longest_solve(settings_)).total();
+      clock = faults_->choose(*fault, frame_, 0, solve);
+    }
+    timing_->carry_words();
+    FlipEffect& effect = faults_->effect(*fault);
+    if (effect.clock < 0) {
+      effect.flip = flip;
+      effect.clock = clock;
+    }
+    if (ledger_.has(frame_)) ++ledger_.frame(frame_).flips;
+    const Picoseconds time = now_ps() + clock * clock_period_ + clock_period_ / 2;
+    planned_flips_.push_back({time, fault, flip});
+  }
+  std::ranges::stable_sort(planned_flips_, {}, &PlannedFlip::time);
+  if (!planned_flips_.empty()) {
+    flip_due_.cancel();
+    flip_due_.notify(to_sc_time(planned_flips_.front().time - now_ps()));
+  }
+}
+
+// Chooses what the fault does not state; false if there is no such bit.
+bool Accelerator::complete(engine::Flip& flip, const Fault& fault) {
+  if (timing_->engine() == nullptr) return false;
+  std::uint32_t number = 0;
+  for (const engine::FlipIndex& index : engine::kFlipIndices) {
+    ++number;
+    if (!has_index(flip.place, index.index)) continue;
+    const int range = timing_->engine()->flip_range(flip, index.index);
+    int& chosen = flip.*index.index;
+    if (chosen < 0 && range > 0) {
+      chosen = static_cast<int>(faults_->choose(fault, frame_, number, range));
+    }
+    if (chosen < 0 || chosen >= range) return false;
+  }
+  return true;
+}
+
+void Accelerator::make_flips() {
+  while (!planned_flips_.empty() && planned_flips_.front().time <= now_ps()) {
+    const PlannedFlip planned = planned_flips_.front();
+    planned_flips_.pop_front();
+    flipped_ = planned.fault;
+    flip_bit(planned.flip);
+  }
+  if (!planned_flips_.empty()) flip_due_.notify(to_sc_time(planned_flips_.front().time - now_ps()));
+}
+
+// What software reads as U is the engine's x, while no job makes another one.
+void Accelerator::flip_bit(const engine::Flip& flip) {
+  timing_->flip(flip);
+  if (flip.place != engine::FlipPlace::x || running_ == Running::solve) return;
+  const unsigned bits = bank_.get(field::kFormatVectorBits);
+  const std::size_t place = 3 * at(flip.node) + at(flip.component);
+  const std::span<std::uint32_t> words = bank_.memory(Aperture::u);
+  const std::int32_t word = packed_element(words, place, bits, one_a_word());
+  set_packed_element(
+      words, place, bits,
+      static_cast<std::int32_t>(engine::flipped(word, flip.bit, static_cast<int>(bits))),
+      one_a_word());
+}
+
+// The engine's words and report count, and those of the solver, which has begun with the same U and
+// b, are what they should have been.
+void Accelerator::take_flipped_words() {
+  const std::vector<std::int32_t> should = u_;
+  const stability::Flags should_flags = result_.flags;
+  timing_->read_x(u_);
+  const fixed::Report made = timing_->report();
+  if (u_ == should && made.iterations == result_.iterations) return;
+  result_.iterations = made.iterations;
+  result_.reached = made.reached;
+  result_.replacements = made.replacements;
+  result_.saturations = made.saturations;
+  result_.wraps = made.wraps;
+  result_.breakdowns = made.breakdowns;
+  result_.flags = made.flags;
+  if (should == u_) return;
+  FlipEffect& effect = faults_->effect(*flipped_);
+  ++effect.wrong;
+  effect.last_wrong_frame = job_tag_.frame;
+  if ((made.flags.bits() & ~should_flags.bits()) != 0) ++effect.told;
+  double error = 0;
+  double size = 0;
+  for (std::size_t i = 0; i < u_.size(); ++i) {
+    error = std::max(error, std::abs(static_cast<double>(u_[i]) - should[i]));
+    size = std::max(size, std::abs(static_cast<double>(should[i])));
+  }
+  effect.worst = std::max(effect.worst, error / std::max(size, 1.0));
+}
+
+}  // namespace hvp::vp

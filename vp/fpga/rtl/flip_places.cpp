@@ -1,0 +1,146 @@
+// Where the bits of a flip are in engine.sv.
+#include <algorithm>
+#include <cstddef>
+#include <stdexcept>
+#include <string>
+#include <utility>
+
+#include "models/index.h"
+#include "vp/fpga/rtl/rtl_engine.h"
+
+namespace hvp::vp::rtl {
+
+namespace {
+
+std::string indexed(const std::string& name, int index) {
+  return name + "[" + std::to_string(index) + "]";
+}
+
+std::string partition_of(int number) { return indexed("matrix.g_partition", number) + ".spmxv"; }
+
+// A partition's copy of a component of d, in its only bank.
+std::string copy_of(int partition, int component) {
+  return partition_of(partition) + "." + indexed("g_component", component) +
+         ".copy.g_bank[0].bank.g_double_pumped.memory";
+}
+
+// The memory of one component of a vector in the lane.
+std::string bank_of(int lane, int component, const std::string& vector) {
+  return "vectors." + indexed("g_lane", lane) + "." + indexed("g_component", component) +
+         ".component.bank." + vector + "_memory";
+}
+
+// A memory at twice the clock serves so many nodes.
+constexpr int kPumpedAccesses = 4;
+constexpr const char* kSequencer = "sequence_of_passes";
+
+void flip_bit(Cells cells, int entry, int bit) {
+  cells.set_bits(entry, bit, 1, cells.bits(entry, bit, 1) ^ 1U);
+}
+
+// From this entry on.
+void clear(Cells cells, int first) {
+  std::fill_n(cells.first + at(first) * at(cells.bytes), at(cells.count - first) * at(cells.bytes),
+              std::byte{0});
+}
+
+}  // namespace
+
+void RtlEngine::flip(const engine::Flip& f) {
+  using Place = engine::FlipPlace;
+  // An index word is {last, phase, owner, nodes}.
+  const int owner = nodes_in_package() * size_.node_bits;
+  const auto change = [&](const std::string& instance, const char* variable, int entry, int bit) {
+    flip_bit(model_->cells(instance, variable), entry, bit);
+  };
+  const auto index = [&](int first_bit) {
+    clear_unused();
+    flip_index(f.partition, f.package, first_bit + f.bit);
+  };
+  switch (f.place) {
+    case Place::x:
+    case Place::r:
+    case Place::b:
+    case Place::q:
+    case Place::previous:
+      change(bank_of(f.node % size_.nodes_per_clock, f.component, name(f.place)), "cells",
+             f.node / size_.nodes_per_clock, f.bit);
+      break;
+    case Place::d:
+      change(copy_of(f.partition, f.component), "cells", f.node, f.bit);
+      break;
+    case Place::matrix:
+      change(partition_of(f.partition) + "." + indexed("g_row", f.row), "nonzeros", f.package,
+             f.column * size_.matrix_bits + f.bit);
+      break;
+    case Place::nodes:
+      index(f.column * size_.node_bits);
+      break;
+    case Place::owner:
+      index(owner);
+      break;
+    case Place::phase:
+      index(owner + size_.node_bits);
+      break;
+    case Place::last:
+      index(owner + size_.node_bits + 2);
+      break;
+    case Place::coefficient:
+    case Place::r_r:
+    case Place::loops:
+      change(kSequencer, name(f.place), 0, f.bit);
+      break;
+  }
+}
+
+// The word and what the prefetch has of it: the first register has that of the package at
+// `position`, if it is full, and behind it come the second one and what the memory shows.
+void RtlEngine::flip_index(int partition, int package, int bit) {
+  const std::string prefetch = partition_of(partition) + ".index";
+  const auto value = [](const Cells& cells) { return cells.bits(0, 0, cells.width); };
+  flip_bit(model_->cells(prefetch, "cells"), package, bit);
+  const std::uint32_t full = value(model_->cells(prefetch, "full"));
+  const bool reads = value(model_->cells(prefetch, "read_valid")) != 0;
+  const std::pair<const char*, bool> registers[] = {
+      {"first", (full & 1U) != 0}, {"second", (full & 2U) != 0}, {"read", reads}};
+  auto held = static_cast<int>(value(model_->cells(partition_of(partition), "position")));
+  for (const auto& [name, holds] : registers) {
+    if (!holds) continue;
+    if (held == package) flip_bit(model_->cells(prefetch, name), 0, bit);
+    held = held + 1 == packages_[at(partition)] ? 0 : held + 1;
+  }
+}
+
+void RtlEngine::expect_flips() {
+  // Where a package takes turns, the words of the earlier ones are read before the last one's.
+  const int nodes = nodes_in_package();
+  if (size_.rows_in_parallel != 3 || size_.direction_banks != 1 || nodes > kPumpedAccesses ||
+      size_.direction_memory != accel::DirectionMemory::double_pumped) {
+    throw std::logic_error("bits do not flip in an RTL engine whose packages take turns");
+  }
+  if (!expects_flips_ && !has_solved_) clear_q();
+  expects_flips_ = true;
+}
+
+// A row that a flipped index word takes elsewhere leaves its own words of q as they were.
+void RtlEngine::clear_q() {
+  for (int c = 0; c < 3; ++c) {
+    for (int lane = 0; lane < size_.nodes_per_clock; ++lane) {
+      clear(model_->cells(bank_of(lane, c, "q"), "cells"), 0);
+    }
+  }
+}
+
+// An index word with a flipped bit can point at words that no system has used: they are zero, as a
+// device is configured. Only in simulation they begin with random values.
+void RtlEngine::clear_unused() {
+  for (int c = 0; c < 3; ++c) {
+    for (int p = 0; p < size_.partitions; ++p) clear(model_->cells(copy_of(p, c), "cells"), nodes_);
+    for (int lane = 0; lane < size_.nodes_per_clock; ++lane) {
+      const int used = (nodes_ - lane + size_.nodes_per_clock - 1) / size_.nodes_per_clock;
+      clear(model_->cells(bank_of(lane, c, "b"), "cells"), used);
+    }
+  }
+}
+
+}  // namespace hvp::vp::rtl
