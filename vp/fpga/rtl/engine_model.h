@@ -30,6 +30,7 @@ struct EnginePorts {
   std::uint32_t host_word = 0;
   bool go = false;
   bool copy = false;
+  bool invert = false;
   bool edit = false;
   bool forget_previous = false;
 
@@ -49,8 +50,9 @@ struct EnginePorts {
   std::int32_t beta = 0;
   std::int32_t beta_exponent = 0;
   std::int32_t r_exponent = 0;
+  std::int32_t z_exponent = 0;
   std::int32_t d_exponent = 0;
-  std::int64_t r_r = 0;
+  std::int64_t z_r = 0;
   std::int64_t d_q = 0;
 };
 
@@ -85,6 +87,7 @@ struct EngineSize {
   int phase_clocks;
   int division_clocks;
   int static_bits;
+  bool preconditioner;
   // All state begins with random values, which differ from seed to seed.
   std::unique_ptr<EngineModel> (*make)(int seed);
 

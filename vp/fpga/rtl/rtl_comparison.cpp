@@ -65,10 +65,11 @@ void RtlComparison::iteration(const fixed::IterationState& state) {
   compare("the exponent of alpha·q", ports.alpha_exponent, state.alpha.exponent);
   compare("the exponent of r", ports.r_exponent + rtl_.settings().rhs_shift(),
           state.residual_exponent);
-  compare("rᵀ·r", ports.r_r, static_cast<std::int64_t>(state.z_r));
+  compare(rtl_.settings().preconditioned() ? "zᵀ·r" : "rᵀ·r", ports.z_r,
+          static_cast<std::int64_t>(state.z_r));
   compare("the mantissa of beta", ports.beta, state.beta.mantissa);
   compare("the exponent of beta", ports.beta_exponent, state.beta.exponent);
-  compare("the exponent of d less that of r", ports.d_exponent - ports.r_exponent,
+  compare("the exponent of d less that of z", ports.d_exponent - ports.z_exponent,
           state.direction_exponent);
 }
 
@@ -109,6 +110,11 @@ void RtlComparison::end_solve() {
   compare("the number of breakdowns", is.breakdowns, should.breakdowns);
   compare("the set of flags", of_hardware(is.flags).bits(), of_hardware(should.flags).bits());
   rtl_.copy_x();
+}
+
+void RtlComparison::invert() {
+  compare("the number of clocks in which the matrix is taken over", rtl_.invert(),
+          engine_.update_clocks());
 }
 
 void RtlComparison::constrain(int node, std::int32_t diagonal) {
