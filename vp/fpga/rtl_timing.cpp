@@ -24,6 +24,11 @@ class EveryRtlClock : public EveryClock {
     both_.load(matrix, settings);
     EveryClock::renew(matrix, settings);
   }
+  std::optional<std::int64_t> start_load(const fixed::Settings& settings) override {
+    const std::optional<std::int64_t> clocks = EveryClock::start_load(settings);
+    both_.invert();
+    return clocks;
+  }
   std::optional<std::int64_t> start_solve(const fixed::Settings& settings,
                                           const fixed::Report& /*report*/) override {
     both_.start_solve(settings);

@@ -115,6 +115,18 @@ TEST_F(Engine, PhasesOfTheLongestSolveSumToItsClocks) {
   EXPECT_FALSE(board().contains("phases"));
 }
 
+TEST_F(Engine, InSystemVerilogHasJacobisPreconditioner) {
+  const std::vector<std::string> jacobi = {"--set", "solver.method=jacobi-pcg"};
+  run("cycle-accurate", jacobi);
+  const std::string frames = file("frames.csv");
+  const Ended ended =
+      hvp(place(), {"run", "s.toml", "--out", "out", "--set", "fidelity.accelerator=rtl", "--set",
+                    "frames=12", "--set", "solver.method=jacobi-pcg"});
+  if (ended.status == 2) GTEST_SKIP() << "the RTL engine is left out of this build";
+  EXPECT_EQ(ended.status, 0) << ended.err;
+  EXPECT_EQ(file("frames.csv"), frames);
+}
+
 // Each of the solves is compared, so that a run to the end is one without a difference.
 TEST_F(Engine, InSystemVerilogGivesTheBytesOfTheCycleAccurateOne) {
   // But for the level's name, and what a run takes in wall-clock time.
@@ -150,6 +162,7 @@ TEST_F(Engine, InSystemVerilogGivesTheBytesOfTheCycleAccurateOne) {
   const std::pair<const char*, const char*> refused[] = {
       {"accelerator.package=16", "at the level rtl 8 was expected"},
       {"accelerator.direction_memory=stall", "at the level rtl \"double-pumped\" was expected"},
+      {"solver.method=block-jacobi-pcg", "\"cg\" or \"jacobi-pcg\" was expected"},
       {"solver.vector_bits=18", "at the level rtl 16 was expected"},
       {"solver.overflow=wrap", "at the level rtl \"saturate\" was expected"}};
   for (const auto& [set, reason] : refused) {

@@ -7,6 +7,7 @@
 //   s clocks iterations clamped    a solve, and what it comes to
 //   a clocks 0 0            a solve that is aborted after so many clocks, or a reset of an idle engine
 //   e clocks 0 0            an order of the matrix editor
+//   i clocks 0 0            P^-1 of all nodes
 //   c clocks 0 0            x into the copies of d
 //   f 0 0 0                 the next extrapolated start has no solution before x
 //   x address word 0        a word of x that is read
@@ -21,7 +22,7 @@ module engine_testbench;
     forever #5 clock = !clock;
   end
 
-  logic reset = 1'b0, host_write = 1'b0, go = 1'b0, copy = 1'b0, edit = 1'b0, forget = 1'b0;
+  logic reset = 1'b0, host_write = 1'b0, go = 1'b0, copy = 1'b0, invert = 1'b0, edit = 1'b0, forget = 1'b0;
   space_t host_space = SpaceSettings;
   logic [31:0] host_address = '0, host_word = '0;
   wire [31:0] host_read, clamped;
@@ -39,6 +40,7 @@ module engine_testbench;
       .host_read,
       .go,
       .copy,
+      .invert,
       .edit,
       .forget_previous(forget),
       .state_number,
@@ -59,7 +61,8 @@ module engine_testbench;
       .beta_exponent(),
       .r_exponent(),
       .d_exponent(),
-      .r_r(),
+      .z_exponent(),
+      .z_r(),
       .d_q()
   );
   // verilator lint_on PINCONNECTEMPTY
@@ -149,6 +152,13 @@ module engine_testbench;
           edit = 1'b0;
           run(clocks);
           expect_equal("an edit's number of clocks", clocks, first);
+        end
+        "i": begin
+          invert = 1'b1;
+          tick();
+          invert = 1'b0;
+          run(clocks);
+          expect_equal("the clocks in which P^-1 is made", clocks, first);
         end
         "c": begin
           copy = 1'b1;
