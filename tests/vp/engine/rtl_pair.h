@@ -62,10 +62,11 @@ class Pair : public fixed::Observer {
   void load(const fixed::QuantisedMatrix& matrix, const fixed::Settings& settings) {
     for_each([&](RtlComparison& rtl) { rtl.load(matrix, settings); });
     engine.load(matrix, settings);
+    if (!settings.preconditioned()) return;
     engine.start_inversion();
     for_each([&](RtlComparison& rtl) { rtl.invert(); });
     sc_core::sc_start();
-    if (settings.preconditioned()) ++preconditioned;
+    ++preconditioned;
   }
   void write_x(const std::vector<std::int32_t>& x) {
     for_each([&](RtlComparison& rtl) { rtl.write_x(x); });
