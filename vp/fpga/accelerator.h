@@ -89,7 +89,7 @@ class Accelerator : public sc_core::sc_module, private ListOwner {
   // The cycle-accurate engine; null at other levels.
   const engine::CycleEngine* engine() const { return timing_->engine(); }
   // From now on; only the level rtl has such a port.
-  void record_port(EnginePortSink record) { timing_->record_port(std::move(record)); }
+  void record_port(const EnginePortSink& record) { timing_->record_port(record); }
   // What the level rtl has compared; empty at other levels.
   std::optional<rtl::Compared> compared() const { return timing_->compared(); }
   // A waveform of the RTL engine, as JobTiming says.

@@ -66,7 +66,7 @@ class JobTiming {
   virtual void forget_previous() {}
 
   // Other levels than rtl have no such port.
-  virtual void record_port(EnginePortSink /*record*/) {}
+  virtual void record_port(const EnginePortSink& /*record*/) {}
 
   // The cycle-accurate engine; null at other levels.
   virtual const engine::CycleEngine* engine() const { return nullptr; }

@@ -1,7 +1,6 @@
 #include "vp/fpga/rtl_timing.h"
 
 #include <stdexcept>
-#include <utility>
 
 #include "vp/fpga/every_clock.h"
 #include "vp/fpga/rtl/rtl_comparison.h"
@@ -65,7 +64,7 @@ class EveryRtlClock : public EveryClock {
     if (!both_.difference().empty()) throw std::runtime_error(both_.difference());
     return EveryClock::confirms(solution);
   }
-  void record_port(EnginePortSink record) override { both_.rtl().record = std::move(record); }
+  void record_port(const EnginePortSink& record) override { both_.rtl().record = record; }
   void forget_previous() override {
     both_.rtl().forget_previous();
     EveryClock::forget_previous();
