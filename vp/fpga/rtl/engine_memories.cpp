@@ -57,7 +57,7 @@ std::uint32_t Cells::bits(int index, int low, int length) const {
   return static_cast<std::uint32_t>(part >> (low % 8)) & mask(length);
 }
 
-void Cells::set_bits(int index, int low, int length, std::uint32_t value) {
+void Cells::set_bits(int index, int low, int length, std::uint32_t value) const {
   for (int i = 0; i < length; ++i) {
     const int bit = low + i;
     std::byte& part = first[at(index * bytes + bit / 8)];
@@ -90,9 +90,10 @@ EngineMemories::EngineMemories(EngineModel& model, const EngineSize& size) : siz
                                         : "g_dual_port." + element("g_memory", copy) + ".memory";
       for (int bank = 0; bank < size.direction_banks; ++bank) {
         for (int i = 0; i < kComponents; ++i) {
-          d_.push_back(model.cells(partition + element("g_component", i) + ".copy." +
-                                       element("g_bank", bank) + ".bank." + memory,
-                                   "cells"));
+          std::string instance = partition;
+          instance.append(element("g_component", i)).append(".copy.");
+          instance.append(element("g_bank", bank)).append(".bank.").append(memory);
+          d_.push_back(model.cells(instance, "cells"));
         }
       }
     }

@@ -74,7 +74,7 @@ struct Cells {
 
   // Up to 32 bits of a word, from bit `low` on.
   std::uint32_t bits(int index, int low, int length) const;
-  void set_bits(int index, int low, int length, std::uint32_t value);
+  void set_bits(int index, int low, int length, std::uint32_t value) const;
 };
 
 // engine.sv in one size, as Verilator has translated it.
