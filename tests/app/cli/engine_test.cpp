@@ -55,6 +55,11 @@ TEST_F(Engine, ATestbenchReplaysThePort) {
     const int status = std::system(command.c_str());
     return std::pair(status, read(place() / "told"));
   };
+  run("rtl", {"--set", "output.engine_port.frames=8", "--set", "solver.method=jacobi-pcg", "--set",
+              "accelerator.device=EP2S180"});
+  EXPECT_THAT(file("engine-port.txt"), HasSubstr("\ni "));  // P⁻¹
+  EXPECT_THAT(replayed(file("engine-port.txt")).second,
+              HasSubstr(" values compared, 0 of them different"));
   run("rtl", {"--set", "output.engine_port.frames=8"});
   const std::string record = file("engine-port.txt");
   for (const char* kind : {"\ns ", "\nc ", "\ne ", "\nx ", "\nw "}) {
@@ -74,6 +79,15 @@ TEST_F(Engine, ATestbenchReplaysThePort) {
   EXPECT_THAT(says, HasSubstr(" 1 of them different"));
   // A file that ends within a line.
   EXPECT_THAT(replayed("w 0 1").second, HasSubstr("line 1: a letter and three numbers"));
+}
+// What helps is tried at another level, which has no such port.
+TEST_F(Engine, RemediesAreTriedWithoutTheRecordOfThePort) {
+  const Ended ended =
+      hvp(place(), {"run", scenario("thesis.toml").string(), "--out", "out", "--set", "frames=2",
+                    "--set", "fidelity.accelerator=rtl", "--set", "output.engine_port.frames=1"});
+  EXPECT_EQ(ended.status, 0) << ended.err;
+  EXPECT_THAT(ended.out, HasSubstr("what would help --set "));
+  EXPECT_THAT(ended.out, Not(HasSubstr("does not fit  --set output.engine_port")));
 }
 #endif
 
