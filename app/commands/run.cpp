@@ -116,11 +116,15 @@ int run_command(const RunArguments& arguments) {
   const results::FolderLock lock(out);
   const results::DeferredInterruption deferred;
   // The level rtl has the words and clocks of cycle-accurate, takes ten times as long, and refuses
-  // some of what could help.
+  // some of what could help. Nobody looks at the engine's clocks of a run that is only tried.
   RunArguments retried = arguments;
   if (loaded.scenario.fidelity.accelerator == vp::Timing::rtl) {
     retried.overrides.emplace_back("fidelity.accelerator=cycle-accurate");
   }
+  if (loaded.scenario.output.engine_port) {
+    retried.overrides.emplace_back("output.engine_port=false");
+  }
+  if (loaded.scenario.output.waveform) retried.overrides.emplace_back("output.waveform=false");
   results::Outcome outcome;
   try {
     const Rebuild rebuild = [&retried](const std::vector<std::string>& overrides) {

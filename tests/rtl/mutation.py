@@ -34,12 +34,18 @@ from translation import (
 HERE = Path(__file__).resolve().parent
 REASONS = HERE / "survivors.toml"
 WANTED = 0.9
-# By themselves, before whole engines: modules that have tests of their own.
-MODULES = {"scaler.sv": "RtlScaler.*", "coefficient_divider.sv": "RtlDivider.*"}
+CONTACTS = "Engine/RtlSizes.AgreeOnContacts/narrow"
+# What is first tried on a module's mutants: where there are some, tests of the module by itself.
+FIRST = {
+    "scaler.sv": "RtlScaler.*",
+    "coefficient_divider.sv": "RtlDivider.*",
+    "edit_visits.sv": CONTACTS,
+    "matrix_editor.sv": CONTACTS,
+}
 # SystemC elaborates once in a process, so that each of these is one; the first notices most.
 WHOLE = (
     "Engine/RtlSizes.AgreeOnRandomSystems/narrow",
-    "Engine/RtlSizes.AgreeOnContacts/narrow",
+    CONTACTS,
     "Engine/RtlSizes.AgreeOnRandomSystems/wide",
     "RtlEngine.AgreesWhereverASolveIsAborted",
     "Engine/RtlSizes.AgreeOnRandomSystems/thesis",
@@ -51,8 +57,8 @@ WHOLE = (
     "RtlEngine.AgreesOnTheThesisSphere",
 )
 # A test that needs as many times the processor time that it needs without a mutant has no end.
-PATIENCE = 3
-LEAST_SECONDS = 3
+PATIENCE = 2
+LEAST_SECONDS = 2
 
 
 @dataclass(frozen=True)
@@ -128,8 +134,8 @@ class Runner:
         return done.returncode == 0
 
     def noticed_by(self, mutant: Mutant, number: int) -> str | None:
-        own = MODULES.get(mutant.file)
-        for test in [own, *WHOLE] if own else WHOLE:
+        # Each once, in this order.
+        for test in dict.fromkeys([FIRST.get(mutant.file, WHOLE[0]), *WHOLE]):
             if not self.passes(test, number):
                 return test
         return None
@@ -170,7 +176,7 @@ def main() -> int:
     parser.add_argument("--keep", type=Path, help="folder of the translation")
     parser.add_argument("--count", type=int, default=400)
     parser.add_argument("--seed", type=int, default=1)
-    parser.add_argument("--files", nargs="*", help="only mutants of these")
+    parser.add_argument("--numbers", type=int, nargs=2, help="only mutants from .. to")
     options = parser.parse_args()
     build = options.build.resolve()
     folder = (options.keep or build / "mutation").resolve()
@@ -182,15 +188,14 @@ def main() -> int:
         print(f"the mutants could not be translated: {error}", file=sys.stderr)
         return 1
     runner = Runner(program)
-    for test in (*MODULES.values(), *WHOLE):
+    for test in dict.fromkeys([*FIRST.values(), *WHOLE]):
         if not runner.passes(test, 0):
             print(f"{test} fails without a mutant", file=sys.stderr)
             return 1
     reasons = tomllib.loads(REASONS.read_text())["survivor"] if REASONS.exists() else []
     outcomes = []
-    for number, mutant in enumerate(mutants, 1):
-        if options.files and mutant.file not in options.files:
-            continue
+    first, last = options.numbers or (1, len(mutants))
+    for number, mutant in enumerate(mutants[first - 1 : last], first):
         outcomes.append(Outcome(mutant, runner.noticed_by(mutant, number)))
         print(f"{number} {outcomes[-1].noticed_by or 'SURVIVES'}: {mutant}", flush=True)
     return report(outcomes, reasons)

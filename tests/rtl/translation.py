@@ -6,6 +6,7 @@ others here. So the sizes of the engine are those of the build.
 """
 
 import shlex
+import shutil
 import subprocess
 from dataclasses import dataclass
 from pathlib import Path
@@ -76,7 +77,7 @@ class Variant:
     """How the translations of a program differ from the build's."""
 
     folder: Path  # of all that is made
-    arguments: tuple[str, ...]  # for Verilator
+    arguments: tuple[str, ...]  # for Verilator, of engines
     support: Path  # C++ that the translated code calls
     optimisation: str = "-O1"
 
@@ -84,11 +85,15 @@ class Variant:
 def _translate(one: Translation, variant: Variant, sources: list[Path]) -> Path:
     """Returns the object of the translated class."""
     folder = variant.folder / one.prefix
-    folder.mkdir(parents=True, exist_ok=True)
+    # What another translation has left there would be compiled, too.
+    shutil.rmtree(folder, ignore_errors=True)
+    folder.mkdir(parents=True)
     words = list(one.command[one.command.index("&&") + 1 :])
     words[words.index("--Mdir") + 1] = str(folder)
     words = [word for word in words if not word.endswith(".sv") and word != "-Wall"]
-    words += ["-Wno-fatal", "-Wno-lint", *variant.arguments, *map(str, sources)]
+    words += ["-Wno-fatal", "-Wno-lint", *map(str, sources)]
+    if one.is_engine:
+        words += variant.arguments
     run(words, folder)
     everything = folder / "everything.cpp"
     generated = sorted(folder.glob(f"{one.prefix}*.cpp"))
@@ -141,8 +146,10 @@ def build_program(build: Path, variant: Variant, sources: dict[str, list[Path]])
             else:
                 link.insert(link.index("-o"), new)
     program = variant.folder / PROGRAM
-    link[link.index("-o") + 1] = str(program)
-    run([*link, *map(str, objects)], build)
+    place = link.index("-o")
+    link[place + 1] = str(program)
+    # Before the archives, of which some have Verilator's library, too.
+    run([*link[:place], *map(str, objects), *link[place:]], build)
     return program
 
 

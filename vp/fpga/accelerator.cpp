@@ -87,9 +87,6 @@ Accelerator::Accelerator(const sc_core::sc_module_name& name,
   dont_initialize();
   timing_ = make_job_timing(level, architecture);
   if (const sc_core::sc_event* ended = timing_->ended()) sensitive << *ended;
-  SC_METHOD(make_flips);
-  sensitive << flip_due_;
-  dont_initialize();
 }
 
 void Accelerator::inject(FaultPlan& plan, Transport wire, const link::Pcie* link) {

@@ -90,7 +90,7 @@ class Accelerator : public sc_core::sc_module, private ListOwner {
   // The cycle-accurate engine; null at other levels.
   const engine::CycleEngine* engine() const { return timing_->engine(); }
   // From now on; only the level rtl has such a port.
-  void record_port(EnginePortSink record) { timing_->record_port(std::move(record)); }
+  void record_port(const EnginePortSink& record) { timing_->record_port(record); }
   // What the level rtl has compared; empty at other levels.
   std::optional<rtl::Compared> compared() const { return timing_->compared(); }
   // A waveform of the RTL engine, as JobTiming says.
@@ -145,6 +145,7 @@ class Accelerator : public sc_core::sc_module, private ListOwner {
   }
   // Bits that flip (accelerator_flip.cpp).
   void plan_flips();
+  void expect_flips();
   bool complete(engine::Flip& flip, const Fault& fault);
   void make_flips();
   void flip_bit(const engine::Flip& flip);
@@ -174,6 +175,7 @@ class Accelerator : public sc_core::sc_module, private ListOwner {
   };
   std::deque<PlannedFlip> planned_flips_;  // the next one first
   sc_core::sc_event flip_due_;
+  bool expects_flips_ = false;
   const Fault* flipped_ = nullptr;  // the newest one since the memories were filled
 
   RegisterBank bank_;

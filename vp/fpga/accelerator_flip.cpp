@@ -1,6 +1,7 @@
 // Bits of the engine's memories and registers that flip, and what comes of them.
 #include <algorithm>
 #include <cstdlib>
+#include <utility>
 
 #include "models/accel/board.h"
 #include "models/index.h"
@@ -27,7 +28,7 @@ void Accelerator::plan_flips() {
       const std::int64_t solve = clocks.solve(accel::longest_solve(settings_)).total();
       clock = faults_->choose(*fault, frame_, 0, solve);
     }
-    timing_->carry_words();
+    expect_flips();
     FlipEffect& effect = faults_->effect(*fault);
     if (effect.clock < 0) {
       effect.flip = flip;
@@ -42,6 +43,17 @@ void Accelerator::plan_flips() {
     flip_due_.cancel();
     flip_due_.notify(to_sc_time(planned_flips_.front().time - now_ps()));
   }
+}
+
+// The process is there from the first flip on, which may be asked for during the run.
+void Accelerator::expect_flips() {
+  timing_->carry_words();
+  if (std::exchange(expects_flips_, true)) return;
+  sc_core::sc_spawn_options options;
+  options.spawn_method();
+  options.set_sensitivity(&flip_due_);
+  options.dont_initialize();
+  sc_core::sc_spawn([this] { make_flips(); }, "flips", &options);
 }
 
 // Chooses what the fault does not state; false if there is no such bit.

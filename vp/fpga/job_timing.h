@@ -66,7 +66,7 @@ class JobTiming {
   virtual void forget_previous() {}
 
   // Other levels than rtl have no such port.
-  virtual void record_port(EnginePortSink /*record*/) {}
+  virtual void record_port(const EnginePortSink& /*record*/) {}
 
   // For a level with memories and registers. From now on their bits may flip; to be called while no
   // job runs.

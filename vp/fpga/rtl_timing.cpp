@@ -1,7 +1,6 @@
 #include "vp/fpga/rtl_timing.h"
 
 #include <stdexcept>
-#include <utility>
 
 #include "vp/fpga/every_clock.h"
 #include "vp/fpga/rtl/rtl_comparison.h"
@@ -23,6 +22,11 @@ class EveryRtlClock : public EveryClock {
   void renew(const fixed::QuantisedMatrix& matrix, const fixed::Settings& settings) override {
     both_.load(matrix, settings);
     EveryClock::renew(matrix, settings);
+  }
+  std::optional<std::int64_t> start_load(const fixed::Settings& settings) override {
+    const std::optional<std::int64_t> clocks = EveryClock::start_load(settings);
+    both_.invert();
+    return clocks;
   }
   std::optional<std::int64_t> start_solve(const fixed::Settings& settings,
                                           const fixed::Report& /*report*/) override {
@@ -60,7 +64,7 @@ class EveryRtlClock : public EveryClock {
     if (!both_.difference().empty()) throw std::runtime_error(both_.difference());
     return EveryClock::confirms(solution);
   }
-  void record_port(EnginePortSink record) override { both_.rtl().record = std::move(record); }
+  void record_port(const EnginePortSink& record) override { both_.rtl().record = record; }
   void carry_words() override {
     both_.expect_flips();
     EveryClock::carry_words();

@@ -55,6 +55,11 @@ TEST_F(Engine, ATestbenchReplaysThePort) {
     const int status = std::system(command.c_str());
     return std::pair(status, read(place() / "told"));
   };
+  run("rtl", {"--set", "output.engine_port.frames=8", "--set", "solver.method=jacobi-pcg", "--set",
+              "accelerator.device=EP2S180"});
+  EXPECT_THAT(file("engine-port.txt"), HasSubstr("\ni "));  // P⁻¹
+  EXPECT_THAT(replayed(file("engine-port.txt")).second,
+              HasSubstr(" values compared, 0 of them different"));
   run("rtl", {"--set", "output.engine_port.frames=8"});
   const std::string record = file("engine-port.txt");
   for (const char* kind : {"\ns ", "\nc ", "\ne ", "\nx ", "\nw "}) {
@@ -74,6 +79,15 @@ TEST_F(Engine, ATestbenchReplaysThePort) {
   EXPECT_THAT(says, HasSubstr(" 1 of them different"));
   // A file that ends within a line.
   EXPECT_THAT(replayed("w 0 1").second, HasSubstr("line 1: a letter and three numbers"));
+}
+// What helps is tried at another level, which has no such port.
+TEST_F(Engine, RemediesAreTriedWithoutTheRecordOfThePort) {
+  const Ended ended =
+      hvp(place(), {"run", scenario("thesis.toml").string(), "--out", "out", "--set", "frames=2",
+                    "--set", "fidelity.accelerator=rtl", "--set", "output.engine_port.frames=1"});
+  EXPECT_EQ(ended.status, 0) << ended.err;
+  EXPECT_THAT(ended.out, HasSubstr("what would help --set "));
+  EXPECT_THAT(ended.out, Not(HasSubstr("does not fit  --set output.engine_port")));
 }
 #endif
 
@@ -115,6 +129,23 @@ TEST_F(Engine, PhasesOfTheLongestSolveSumToItsClocks) {
   EXPECT_FALSE(board().contains("phases"));
 }
 
+TEST_F(Engine, InSystemVerilogHasJacobisPreconditioner) {
+  const std::vector<std::string> jacobi = {"--set", "solver.method=jacobi-pcg", "--set",
+                                           "accelerator.device=EP2S180"};
+  run("cycle-accurate", jacobi);
+  const std::string frames = file("frames.csv");
+  std::vector<std::string> rtl = {
+      "run", "s.toml", "--out", "out", "--set", "fidelity.accelerator=rtl", "--set", "frames=12"};
+  rtl.insert(rtl.end(), jacobi.begin(), jacobi.end());
+  const Ended ended = hvp(place(), rtl);
+  if (ended.status == 2) {
+    EXPECT_THAT(ended.err, HasSubstr("fidelity.accelerator=rtl: this build has no engine in"));
+    GTEST_SKIP() << "the RTL engine is left out of this build";
+  }
+  EXPECT_EQ(ended.status, 0) << ended.err;
+  EXPECT_EQ(file("frames.csv"), frames);
+}
+
 // Each of the solves is compared, so that a run to the end is one without a difference.
 TEST_F(Engine, InSystemVerilogGivesTheBytesOfTheCycleAccurateOne) {
   // But for the level's name, and what a run takes in wall-clock time.
@@ -150,6 +181,7 @@ TEST_F(Engine, InSystemVerilogGivesTheBytesOfTheCycleAccurateOne) {
   const std::pair<const char*, const char*> refused[] = {
       {"accelerator.package=16", "at the level rtl 8 was expected"},
       {"accelerator.direction_memory=stall", "at the level rtl \"double-pumped\" was expected"},
+      {"solver.method=block-jacobi-pcg", "\"cg\" or \"jacobi-pcg\" was expected"},
       {"solver.vector_bits=18", "at the level rtl 16 was expected"},
       {"solver.overflow=wrap", "at the level rtl \"saturate\" was expected"}};
   for (const auto& [set, reason] : refused) {

@@ -31,6 +31,7 @@ constexpr int kOtherStarts = 2;
 // Any rules that the RTL has.
 Settings random_settings(const EngineSize& size, Random& random) {
   Settings s = settings_of(size);
+  if (size.preconditioner && random.below(2) == 0) s.method = fixed::Method::jacobi_pcg;
   s.start = static_cast<fixed::Start>(random.below(3));
   s.iterations = 1 + random.below(20);
   s.division_rounding = static_cast<fixed::Rounding>(random.below(3));
@@ -50,12 +51,25 @@ Settings random_settings(const EngineSize& size, Random& random) {
 
 std::string described(const Settings& s) {
   const auto number = [](auto value) { return std::to_string(static_cast<int>(value)); };
-  return "start " + number(s.start) + ", " + number(s.iterations) + " iterations, rounding " +
-         number(s.division_rounding) + " and " + number(s.shift_rounding) + ", static shift " +
-         number(s.static_shift) + ", dynamic " + number(s.dynamic_scaling) + ", down " +
-         number(s.scaling_down) + ", threshold " + number(s.scaling_threshold) + ", step " +
-         number(s.scaling_step) + ", headroom " + number(s.headroom_bits) + ", anew every " +
-         number(s.replace_residual_every) + ", stop " + std::to_string(s.stop_residual);
+  return "method " + number(s.method) + ", start " + number(s.start) + ", " + number(s.iterations) +
+         " iterations, rounding " + number(s.division_rounding) + " and " +
+         number(s.shift_rounding) + ", static shift " + number(s.static_shift) + ", dynamic " +
+         number(s.dynamic_scaling) + ", down " + number(s.scaling_down) + ", threshold " +
+         number(s.scaling_threshold) + ", step " + number(s.scaling_step) + ", headroom " +
+         number(s.headroom_bits) + ", anew every " + number(s.replace_residual_every) + ", stop " +
+         std::to_string(s.stop_residual);
+}
+
+// Diagonal words of any length, none and negative ones among them, on which P⁻¹ depends.
+void vary_diagonal(fixed::QuantisedMatrix& matrix, Random& random) {
+  const int nodes = matrix.block_rows();
+  for (int i = random.below(4); i > 0 && nodes > 0; --i) {
+    const int node = random.below(nodes);
+    const int c = random.below(3);
+    auto& word = matrix.value[9 * static_cast<std::size_t>(matrix.find(node, node)) +
+                              static_cast<std::size_t>(4 * c)];
+    word = random.below(8) == 0 ? -word : word >> random.below(matrix.bits);
+  }
 }
 
 // Whether the banks of d, or the multipliers, can take more than a clock for a package.
@@ -84,6 +98,7 @@ void compare_random_systems(const EngineSize& size, int systems, std::uint64_t s
     }
     // Whatever the memories and registers had before, it makes no difference.
     pair.begin_others(kOtherStarts);
+    if (random.below(3) == 0) vary_diagonal(matrix, random);
     pair.load(matrix, settings);
     ++pair.systems;
     pair.write_x(words(matrix.rows(), size.vector_bits, random));
@@ -95,7 +110,7 @@ void compare_random_systems(const EngineSize& size, int systems, std::uint64_t s
       }
       const bool nothing = random.below(10) == 0;
       pair.write_b(nothing ? std::vector<std::int32_t>(static_cast<std::size_t>(matrix.rows()), 0)
-                           : words(matrix.rows(), size.vector_bits, random));
+                           : words(matrix.rows(), settings.residual_bits(), random));
       pair.solve(settings);
       if (testing::Test::HasFatalFailure()) return;
       const fixed::Report report = pair.engine.report();
@@ -124,18 +139,22 @@ void compare_thresholds(const EngineSize& size, int systems, std::uint64_t seed)
     Settings settings = settings_of(size);
     settings.start = fixed::Start::zero;
     settings.iterations = 1 + random.below(6);
+    if (size.preconditioner && random.below(2) == 0) settings.method = fixed::Method::jacobi_pcg;
     const fixed::QuantisedMatrix matrix =
         hvp::test::random_matrix(1 + random.below(30), 4, size.matrix_bits, random);
-    const auto b = words(matrix.rows(), size.vector_bits, random);
+    const auto b = words(matrix.rows(), settings.residual_bits(), random);
     pair.load(matrix, settings);
     ++pair.systems;
     pair.write_b(b);
     pair.solve(settings);
-    const engine::Scalars& scalars = pair.engine.sequencer().scalars();
-    double squares = 0;
-    for (const std::int32_t word : b) squares += std::ldexp(word, settings.shift()) * word;
-    const double rhs = std::ldexp(squares, settings.shift());
-    const double r = std::ldexp(static_cast<double>(scalars.z_r.word), -2 * scalars.r_exponent);
+    const auto squares = [](const std::vector<std::int32_t>& words) {
+      fixed::Int128 sum = 0;
+      for (const std::int32_t word : words) sum += std::int64_t{word} * word;
+      return static_cast<double>(sum);
+    };
+    const int exponent = pair.engine.sequencer().scalars().r_exponent;
+    const double rhs = std::ldexp(squares(b), 2 * settings.rhs_shift());
+    const double r = std::ldexp(squares(pair.engine.vector_unit().memories().r), -2 * exponent);
     double limit = std::sqrt(r / rhs);
     if (!(limit > 0) || limit > 0.9) continue;
     ++settings.iterations;  // the end of the last one shows
@@ -161,6 +180,8 @@ void compare_contacts(const EngineSize& size, int systems, std::uint64_t seed) {
   int edits = 0;
   for (int i = 0; i < systems; ++i) {
     SCOPED_TRACE("system " + std::to_string(i));
+    const bool preconditions = size.preconditioner && i % 2 == 1;
+    settings.method = preconditions ? fixed::Method::jacobi_pcg : fixed::Method::cg;
     const int nodes = i < 4 ? i + 1 : 2 + random.below(60);
     const fixed::QuantisedMatrix original =
         hvp::test::random_matrix(nodes, 1 + random.below(12), size.matrix_bits, random);
@@ -172,8 +193,10 @@ void compare_contacts(const EngineSize& size, int systems, std::uint64_t seed) {
     for (int edit = 0; edit < 6; ++edit) {
       const int node = random.below(nodes);
       if (matrix.is_contact[static_cast<std::size_t>(node)] == 0) {
+        // Of any length, as its inverse may be the longest one, or no longer.
         const int diagonal =
-            1 + random.below(static_cast<int>(fixed::word_limit(size.matrix_bits)));
+            1 + (random.below(static_cast<int>(fixed::word_limit(size.matrix_bits))) >>
+                 random.below(size.matrix_bits));
         matrix.set_contact(node, diagonal);
         pair.engine.start_constraining(node, diagonal);
         pair.both.constrain(node, diagonal);
@@ -186,7 +209,7 @@ void compare_contacts(const EngineSize& size, int systems, std::uint64_t seed) {
       sc_core::sc_start();
       ASSERT_EQ(pair.engine.read_matrix().value, matrix.value);
       pair.write_x(std::vector<std::int32_t>(static_cast<std::size_t>(matrix.rows()), 0));
-      pair.write_b(words(matrix.rows(), size.vector_bits, random));
+      pair.write_b(words(matrix.rows(), settings.residual_bits(), random));
       pair.solve(settings);
       if (testing::Test::HasFatalFailure()) return;
     }
@@ -210,12 +233,14 @@ void compare_aborts(const EngineSize& size, std::uint64_t seed) {
     SCOPED_TRACE("clock " + std::to_string(clocks));
     settings.start = clocks % 2 == 0 ? fixed::Start::extrapolated : fixed::Start::warm;
     if (matrix.block_rows() == 0 || random.below(3) == 0) {
+      settings.method = size.preconditioner && random.below(2) == 0 ? fixed::Method::jacobi_pcg
+                                                                    : fixed::Method::cg;
       matrix = hvp::test::random_matrix(40 + random.below(20), 8, size.matrix_bits, random);
       pair.load(matrix, settings);
       ++pair.systems;
     }
     pair.write_x(words(matrix.rows(), size.vector_bits, random));
-    pair.write_b(words(matrix.rows(), size.vector_bits, random));
+    pair.write_b(words(matrix.rows(), settings.residual_bits(), random));
     pair.start(settings);
     sc_core::sc_start(static_cast<double>(10 * clocks + 5), sc_core::SC_NS);
     if (!pair.engine.idle()) {

@@ -59,7 +59,7 @@ std::string described(const Flip& flip) {
 
 // What flips at a place have come to.
 struct Seen {
-  int flips = 0, idle = 0, other_words = 0, no_end = 0, breakdowns = 0;
+  int flips = 0, idle = 0, no_end = 0, breakdowns = 0;
 };
 
 class Flips {
@@ -80,10 +80,8 @@ class Flips {
   void print() const {
     for (std::size_t i = 0; i < seen_.size(); ++i) {
       const Seen& s = seen_[i];
-      std::printf(
-          "%-12s %4d flips, %3d while idle; in their job %3d other words of x, %3d without "
-          "an end, %3d breakdowns\n",
-          name(static_cast<FlipPlace>(i)), s.flips, s.idle, s.other_words, s.no_end, s.breakdowns);
+      std::printf("%-12s %4d flips, %3d while idle; %3d jobs without an end, %3d breakdowns\n",
+                  name(static_cast<FlipPlace>(i)), s.flips, s.idle, s.no_end, s.breakdowns);
     }
     pair_.print(size_.name);
   }
@@ -187,6 +185,13 @@ TEST_P(RtlFlips, LeaveBothEquallyWrong) {
     if (HasFailure()) break;
   }
   flips.print();
+  for (std::size_t i = 0; i < engine::kFlipPlaces; ++i) {
+    const Seen& seen = flips.seen(static_cast<FlipPlace>(i));
+    EXPECT_GT(seen.flips - seen.idle, 0) << engine::name(static_cast<FlipPlace>(i));
+    EXPECT_GT(seen.idle, 0) << engine::name(static_cast<FlipPlace>(i));
+  }
+  EXPECT_GT(flips.seen(FlipPlace::last).no_end, 0);
+  EXPECT_GT(flips.seen(FlipPlace::loops).no_end, 0);
 }
 
 INSTANTIATE_TEST_SUITE_P(Engine, RtlFlips, testing::ValuesIn(test::sizes()),

@@ -21,20 +21,24 @@ using test::settings_of;
 using test::words;
 
 // The thesis' own size: its sphere, all its iterations.
-TEST(RtlEngine, AgreesOnTheThesisSphere) {
+void solve_the_sphere(fixed::Method method) {
   const fixed::QuantisedMatrix matrix = fixed::quantise(hvp::test::sphere_stiffness(500), 12);
   Pair pair(kEngineThesis);
   Random random(4);
-  const Settings settings = settings_of(kEngineThesis);
+  Settings settings = settings_of(kEngineThesis);
+  settings.method = method;
   pair.load(matrix, settings);
   for (int job = 0; job < 2; ++job) {
     pair.write_b(hvp::test::random_words(matrix.rows(), 30000, random.bits()));
     pair.solve(settings);
-    if (HasFatalFailure()) return;
+    if (testing::Test::HasFatalFailure()) return;
   }
   EXPECT_EQ(pair.iterations, 2 * settings.iterations);
   pair.print("thesis");
 }
+
+TEST(RtlEngine, AgreesOnTheThesisSphere) { solve_the_sphere(fixed::Method::cg); }
+TEST(RtlEngine, AgreesOnTheThesisSphereWithJacobi) { solve_the_sphere(fixed::Method::jacobi_pcg); }
 
 // All meshes over which the levels are compared.
 TEST(RtlEngine, AgreesOnEveryMesh) {
@@ -54,6 +58,27 @@ TEST(RtlEngine, AgreesOnEveryMesh) {
   EXPECT_EQ(pair.solves, 7);
   EXPECT_EQ(pair.iterations, 3 * pair.solves);
   pair.print("thesis");
+}
+
+// Wherever P⁻¹ is on its way, a load makes it anew.
+TEST(RtlEngine, AgreesWhereverTheInverseIsAborted) {
+  Pair pair(kEngineThesis);
+  Random random(8);
+  Settings settings = settings_of(kEngineThesis);
+  settings.method = fixed::Method::jacobi_pcg;
+  settings.iterations = 2;
+  const fixed::QuantisedMatrix matrix = hvp::test::random_matrix(6, 3, 12, random);
+  constexpr std::int64_t kNodeClocks = 3 * 68;
+  for (std::int64_t clocks = 1; clocks < 2 * kNodeClocks; clocks += 3) {
+    SCOPED_TRACE("clock " + std::to_string(clocks));
+    pair.both.load(matrix, settings);
+    ASSERT_EQ(pair.both.rtl().invert(clocks), clocks);
+    pair.both.abort();
+    pair.load(matrix, settings);
+    pair.write_b(words(matrix.rows(), 32, random));
+    pair.solve(settings);
+    if (HasFatalFailure()) return;
+  }
 }
 
 // The comparison itself: what only one of both has is seen, with its place.
@@ -113,6 +138,7 @@ TEST(RtlEngine, WhatItIsNotBuiltForIsRefusedByKey) {
   EXPECT_EQ(refused_architecture([](A& a) { a.direction_memory = accel::DirectionMemory::stall; }),
             "direction_memory");
   EXPECT_EQ(refused_settings([](Settings&) {}), "");
+  EXPECT_EQ(refused_settings([](Settings& s) { s.method = fixed::Method::jacobi_pcg; }), "");
   EXPECT_EQ(refused_settings([](Settings& s) { s.method = fixed::Method::block_jacobi_pcg; }),
             "method");
   EXPECT_EQ(refused_settings([](Settings& s) { s.vector_bits = 17; }), "vector_bits");

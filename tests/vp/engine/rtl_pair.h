@@ -62,6 +62,11 @@ class Pair : public fixed::Observer {
   void load(const fixed::QuantisedMatrix& matrix, const fixed::Settings& settings) {
     for_each([&](RtlComparison& rtl) { rtl.load(matrix, settings); });
     engine.load(matrix, settings);
+    if (!settings.preconditioned()) return;
+    engine.start_inversion();
+    for_each([&](RtlComparison& rtl) { rtl.invert(); });
+    sc_core::sc_start();
+    ++preconditioned;
   }
   void write_x(const std::vector<std::int32_t>& x) {
     for_each([&](RtlComparison& rtl) { rtl.write_x(x); });
@@ -105,11 +110,12 @@ class Pair : public fixed::Observer {
   }
   void print(const char* name) const {
     std::printf(
-        "%s: %d solves of %d systems, %lld clocks compared; %lld iterations, %d solves with "
+        "%s: %d solves of %d systems, %d with a preconditioner, %lld clocks compared; %lld "
+        "iterations, %d solves with "
         "clamped words, %d breakdowns, %d ended by the stop test, %d residuals formed anew, %d "
         "holds, %lld clocks of full queues, %lld of packages that wait for the banks of d; "
         "state began with %d sets of random values\n",
-        name, solves, systems, static_cast<long long>(both.compared().clocks),
+        name, solves, systems, preconditioned, static_cast<long long>(both.compared().clocks),
         static_cast<long long>(iterations), clamping, breakdowns, reached, replacements, holds,
         static_cast<long long>(queue_stalls), static_cast<long long>(bank_stalls), last_seed_);
   }
@@ -118,7 +124,7 @@ class Pair : public fixed::Observer {
   RtlComparison both;
   std::vector<std::unique_ptr<RtlComparison>> others;
   int systems = 0, solves = 0, clamping = 0, breakdowns = 0, reached = 0, replacements = 0,
-      holds = 0;
+      holds = 0, preconditioned = 0;
   std::int64_t iterations = 0, queue_stalls = 0, bank_stalls = 0;
 
  private:
@@ -133,10 +139,12 @@ class Pair : public fixed::Observer {
 
 // Words up to some power of two, the most negative word among them.
 inline std::vector<std::int32_t> words(int count, int bits, Random& random) {
-  const auto size = static_cast<std::int32_t>(std::int64_t{1} << (1 + random.below(bits - 1)));
+  const std::int64_t power = std::int64_t{1} << (1 + random.below(bits - 1));
+  const auto size = static_cast<std::int32_t>(std::min<std::int64_t>(power, 0x7fffffff));
   std::vector<std::int32_t> result = hvp::test::random_words(count, size, random.bits());
   if (count > 0 && random.below(8) == 0) {
-    result[static_cast<std::size_t>(random.below(count))] = -(std::int32_t{1} << (bits - 1));
+    result[static_cast<std::size_t>(random.below(count))] =
+        static_cast<std::int32_t>(-(std::int64_t{1} << (bits - 1)));
   }
   return result;
 }

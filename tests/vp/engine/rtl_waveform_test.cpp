@@ -1,5 +1,6 @@
 // The FST file of the RTL engine as a viewer reads it, beside the VCD file of the cycle-accurate
 // one: the signals of one name have the same values at every clock.
+#include <algorithm>
 #include <cstring>
 #include <filesystem>
 #include <map>
@@ -164,11 +165,14 @@ TEST(RtlWaveform, HasTheValuesOfTheCycleAccurateOneUnderTheSameNames) {
     ++shared;
     // Walks through both side by side.
     const ValueChanges::Changes& other = vcd.changes.at(name);
+    // z·r, and r·r with it, comes later where the engine has a preconditioner.
+    const bool late = name.ends_with("z_r_value") && kEngineThesis.preconditioner;
+    const std::int64_t behind = late ? 10'000 * std::max(0, 24 - kEngineThesis.phase_clocks) : 0;
     std::size_t i = 0, j = 0;
     for (std::int64_t time = begin + 10'000; time <= end; time += 10'000) {
       while (i + 1 < changes.size() && changes[i + 1].first <= time) ++i;
-      while (j + 1 < other.size() && other[j + 1].first <= time) ++j;
-      if (formed.contains(name) && time < first_direction) continue;
+      while (j + 1 < other.size() && other[j + 1].first <= time - behind) ++j;
+      if (formed.contains(name) && time < first_direction + behind) continue;
       // The order to copy x, which the RTL engine gets behind a solve's last clock, is part of that
       // clock in the other.
       if (orders.contains(name) && last_edges.contains(time)) continue;

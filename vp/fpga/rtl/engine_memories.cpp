@@ -12,8 +12,8 @@ namespace hvp::vp::rtl {
 namespace {
 
 // The order of Vector.
-constexpr std::array kInstances = {"x_memory", "r_memory", "b_memory", "q_memory",
-                                   "previous_memory"};
+constexpr std::array kInstances = {"x_memory", "r_memory",        "b_memory",
+                                   "q_memory", "previous_memory", "g_preconditioner.z_memory"};
 constexpr int kComponents = 3;
 
 std::string element(const char* array, int index) {
@@ -45,7 +45,7 @@ bool equal(const Cells& cells, std::span<const std::int32_t> words, std::size_t 
 }  // namespace
 
 const char* name(Vector vector) {
-  constexpr std::array kNames = {"x", "r", "b", "q", "the x before", "d"};
+  constexpr std::array kNames = {"x", "r", "b", "q", "the x before", "z", "d"};
   return kNames[static_cast<std::size_t>(vector)];
 }
 
@@ -57,7 +57,7 @@ std::uint32_t Cells::bits(int index, int low, int length) const {
   return static_cast<std::uint32_t>(part >> (low % 8)) & mask(length);
 }
 
-void Cells::set_bits(int index, int low, int length, std::uint32_t value) {
+void Cells::set_bits(int index, int low, int length, std::uint32_t value) const {
   for (int i = 0; i < length; ++i) {
     const int bit = low + i;
     std::byte& part = first[at(index * bytes + bit / 8)];
@@ -67,7 +67,9 @@ void Cells::set_bits(int index, int low, int length, std::uint32_t value) {
 }
 
 EngineMemories::EngineMemories(EngineModel& model, const EngineSize& size) : size_(size) {
-  for (const char* instance : kInstances) {
+  for (std::size_t i = 0; i < kInstances.size(); ++i) {
+    if (i == static_cast<std::size_t>(Vector::z) && !size.preconditioner) continue;
+    const char* instance = kInstances[i];
     for (int lane = 0; lane < size.nodes_per_clock; ++lane) {
       for (int c = 0; c < kComponents; ++c) {
         vectors_.push_back(model.cells("vectors." + element("g_lane", lane) + "." +
@@ -88,9 +90,10 @@ EngineMemories::EngineMemories(EngineModel& model, const EngineSize& size) : siz
                                         : "g_dual_port." + element("g_memory", copy) + ".memory";
       for (int bank = 0; bank < size.direction_banks; ++bank) {
         for (int i = 0; i < kComponents; ++i) {
-          d_.push_back(model.cells(partition + element("g_component", i) + ".copy." +
-                                       element("g_bank", bank) + ".bank." + memory,
-                                   "cells"));
+          std::string instance = partition;
+          instance.append(element("g_component", i)).append(".copy.");
+          instance.append(element("g_bank", bank)).append(".bank.").append(memory);
+          d_.push_back(model.cells(instance, "cells"));
         }
       }
     }

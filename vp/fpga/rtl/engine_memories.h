@@ -10,8 +10,8 @@
 
 namespace hvp::vp::rtl {
 
-// The vectors in the memories of engine.sv.
-enum class Vector : std::uint8_t { x, r, b, q, previous, d };
+// The vectors in the memories of engine.sv; z only with a preconditioner.
+enum class Vector : std::uint8_t { x, r, b, q, previous, z, d };
 const char* name(Vector vector);
 
 // The memories of engine.sv as its translation has them, without clocks: for comparisons and for

@@ -35,6 +35,7 @@ struct EnginePorts {
   std::uint32_t host_word = 0;
   bool go = false;
   bool copy = false;
+  bool invert = false;
   bool edit = false;
   bool forget_previous = false;
 
@@ -54,8 +55,9 @@ struct EnginePorts {
   std::int32_t beta = 0;
   std::int32_t beta_exponent = 0;
   std::int32_t r_exponent = 0;
+  std::int32_t z_exponent = 0;
   std::int32_t d_exponent = 0;
-  std::int64_t r_r = 0;
+  std::int64_t z_r = 0;
   std::int64_t d_q = 0;
   // Clocks in which packages of any partition have waited since the solve began.
   std::int64_t turn_waits = 0;  // for the banks of d, or for their rows' turns
@@ -72,7 +74,7 @@ struct Cells {
 
   // Up to 32 bits of a word, from bit `low` on.
   std::uint32_t bits(int index, int low, int length) const;
-  void set_bits(int index, int low, int length, std::uint32_t value);
+  void set_bits(int index, int low, int length, std::uint32_t value) const;
 };
 
 // engine.sv in one size, as Verilator has translated it.
@@ -120,6 +122,7 @@ struct EngineSize {
   int rows_in_parallel;
   int direction_banks;
   accel::DirectionMemory direction_memory;
+  bool preconditioner;
   // All state begins with random values, which differ from seed to seed.
   std::unique_ptr<EngineModel> (*make)(int seed);
 

@@ -7,13 +7,17 @@
 //   s clocks iterations clamped    a solve, and what it comes to
 //   a clocks 0 0            a solve that is aborted after so many clocks, or a reset of an idle engine
 //   e clocks 0 0            an order of the matrix editor
+//   i clocks 0 0            P^-1 of all nodes
 //   c clocks 0 0            x into the copies of d
 //   f 0 0 0                 the next extrapolated start has no solution before x
 //   x address word 0        a word of x that is read
 `default_nettype none
 
-module engine_testbench;
+module engine_testbench
   import engine_types::*;
+#(
+    parameter bit Preconditioner = 1'b1  // scenarios' engine has one
+);
 
   logic clock;
   initial begin
@@ -21,7 +25,15 @@ module engine_testbench;
     forever #5 clock = !clock;
   end
 
-  logic reset = 1'b0, host_write = 1'b0, go = 1'b0, copy = 1'b0, edit = 1'b0, forget = 1'b0;
+  logic reset = 1'b0, host_write = 1'b0;
+  typedef enum logic [2:0] {
+    OrderGo,
+    OrderCopy,
+    OrderInvert,
+    OrderEdit,
+    OrderForget
+  } order_t;
+  logic [OrderForget:0] order = '0;
   space_t host_space = SpaceSettings;
   logic [31:0] host_address = '0, host_word = '0;
   wire [31:0] host_read, clamped;
@@ -29,7 +41,9 @@ module engine_testbench;
   wire [3:0] state_number;
   wire editing;
   // verilator lint_off PINCONNECTEMPTY
-  engine dut (
+  engine #(
+      .Preconditioner(Preconditioner)
+  ) dut (
       .clock,
       .reset,
       .host_write,
@@ -37,10 +51,11 @@ module engine_testbench;
       .host_address,
       .host_word,
       .host_read,
-      .go,
-      .copy,
-      .edit,
-      .forget_previous(forget),
+      .go(order[OrderGo]),
+      .copy(order[OrderCopy]),
+      .invert(order[OrderInvert]),
+      .edit(order[OrderEdit]),
+      .forget_previous(order[OrderForget]),
       .state_number,
       .editing,
       .finished(),
@@ -59,7 +74,8 @@ module engine_testbench;
       .beta_exponent(),
       .r_exponent(),
       .d_exponent(),
-      .r_r(),
+      .z_exponent(),
+      .z_r(),
       .d_q()
   );
   // verilator lint_on PINCONNECTEMPTY
@@ -83,6 +99,20 @@ module engine_testbench;
     end
   endtask
 
+  // Behind three clocks more the memories' output registers show their first words.
+  task automatic restart();
+    reset = 1'b1;
+    repeat (2) tick();
+    reset = 1'b0;
+    repeat (3) tick();
+  endtask
+
+  task automatic give(input order_t wanted);
+    order[wanted] = 1'b1;
+    tick();
+    order = '0;
+  endtask
+
   // Clocks until neither a solve nor an edit runs.
   task automatic run(output logic [31:0] clocks);
     clocks = '0;
@@ -102,11 +132,7 @@ module engine_testbench;
     file = $fopen(path, "r");
     if (file == 0) $fatal(1, "%s cannot be read", path);
     tick();
-    reset = 1'b1;
-    tick();
-    tick();
-    reset = 1'b0;
-    repeat (3) tick();
+    restart();
     forever begin
       fields = $fscanf(file, "%c %h %h %h\n", letter, first, second, third);
       if (fields != 4) break;
@@ -121,9 +147,7 @@ module engine_testbench;
           host_write = 1'b0;
         end
         "s": begin
-          go = 1'b1;
-          tick();
-          go = 1'b0;
+          give(OrderGo);
           run(clocks);
           expect_equal("a solve's number of clocks", clocks, first);
           expect_equal("a solve's number of iterations", 32'(iterations), second);
@@ -131,37 +155,28 @@ module engine_testbench;
         end
         "a": begin
           if (first != '0) begin
-            go = 1'b1;
-            tick();
-            go = 1'b0;
+            give(OrderGo);
             repeat (int'(first)) tick();
           end
-          reset = 1'b1;
-          tick();
-          tick();
-          reset = 1'b0;
-          repeat (3) tick();
+          restart();
         end
         "e": begin
           repeat (3) tick();
-          edit = 1'b1;
-          tick();
-          edit = 1'b0;
+          give(OrderEdit);
           run(clocks);
           expect_equal("an edit's number of clocks", clocks, first);
         end
+        "i": begin
+          give(OrderInvert);
+          run(clocks);
+          expect_equal("the clocks in which P^-1 is made", clocks, first);
+        end
         "c": begin
-          copy = 1'b1;
-          tick();
-          copy = 1'b0;
+          give(OrderCopy);
           run(clocks);
           expect_equal("a copy's number of clocks", clocks, first);
         end
-        "f": begin
-          forget = 1'b1;
-          tick();
-          forget = 1'b0;
-        end
+        "f": give(OrderForget);
         "x": begin
           host_address = first;
           repeat (3) tick();

@@ -29,6 +29,8 @@ void FstFile::declare(void* self, VerilatedFst* trace, std::uint32_t code) {
   for (const ShownSignal& signal : file.shown_) {
     std::string name = signal.name;
     std::ranges::replace(name, '.', ' ');
+    // Verilator keeps what was written last at its code, a real or 64 bits as one object of 8 bytes.
+    if (words(signal.bits) == 2) code += code % 2;
     file.code_.push_back(code);
     constexpr int kUnnamedType = -1;
     const auto wire = [&](auto declares, auto... range) {
@@ -53,46 +55,37 @@ void FstFile::declare(void* self, VerilatedFst* trace, std::uint32_t code) {
   }
 }
 
-void FstFile::write_all(void* self, Buffer* buffer) {
-  const auto& file = *static_cast<const FstFile*>(self);
-  for (std::size_t i = 0; i < file.shown_.size(); ++i) {
-    const ShownSignal& s = file.shown_[i];
-    std::uint32_t* const old = buffer->oldp(file.code_[i]);
+// Verilator's buffer has four functions that write a value, and four that write it if it is new.
+template <auto kReal, auto kBit, auto kQuad, auto kBus>
+void FstFile::write(Buffer* buffer) const {
+  for (std::size_t i = 0; i < shown_.size(); ++i) {
+    const ShownSignal& s = shown_[i];
+    std::uint32_t* const old = buffer->oldp(code_[i]);
     switch (s.bits) {
       case ShownSignal::kReal:
-        buffer->fullDouble(old, s.real);
+        (buffer->*kReal)(old, s.real);
         break;
       case 1:
-        buffer->fullBit(old, s.integer != 0 ? 1 : 0);
+        (buffer->*kBit)(old, s.integer != 0 ? 1 : 0);
         break;
       case 64:
-        buffer->fullQData(old, static_cast<std::uint64_t>(s.integer), 64);
+        (buffer->*kQuad)(old, static_cast<std::uint64_t>(s.integer), 64);
         break;
       default:
-        buffer->fullIData(old, static_cast<std::uint32_t>(s.integer), s.bits);
+        (buffer->*kBus)(old, static_cast<std::uint32_t>(s.integer), s.bits);
     }
   }
 }
 
+void FstFile::write_all(void* self, Buffer* buffer) {
+  static_cast<const FstFile*>(self)
+      ->write<&Buffer::fullDouble, &Buffer::fullBit, &Buffer::fullQData, &Buffer::fullIData>(
+          buffer);
+}
+
 void FstFile::write_changes(void* self, Buffer* buffer) {
-  const auto& file = *static_cast<const FstFile*>(self);
-  for (std::size_t i = 0; i < file.shown_.size(); ++i) {
-    const ShownSignal& s = file.shown_[i];
-    std::uint32_t* const old = buffer->oldp(file.code_[i]);
-    switch (s.bits) {
-      case ShownSignal::kReal:
-        buffer->chgDouble(old, s.real);
-        break;
-      case 1:
-        buffer->chgBit(old, s.integer != 0 ? 1 : 0);
-        break;
-      case 64:
-        buffer->chgQData(old, static_cast<std::uint64_t>(s.integer), 64);
-        break;
-      default:
-        buffer->chgIData(old, static_cast<std::uint32_t>(s.integer), s.bits);
-    }
-  }
+  static_cast<const FstFile*>(self)
+      ->write<&Buffer::chgDouble, &Buffer::chgBit, &Buffer::chgQData, &Buffer::chgIData>(buffer);
 }
 
 }  // namespace hvp::vp::rtl

@@ -35,6 +35,8 @@ class FstFile {
 
   void open(const std::string& path);
   static void declare(void* self, VerilatedFst* trace, std::uint32_t code);
+  template <auto kReal, auto kBit, auto kQuad, auto kBus>
+  void write(Buffer* buffer) const;
   static void write_all(void* self, Buffer* buffer);
   static void write_changes(void* self, Buffer* buffer);
 

@@ -251,10 +251,11 @@ void RtlComparison::iteration(const fixed::IterationState& state) {
           state.residual_exponent);
   compare_words(Vector::r, model.r);
   compare_words(Vector::x, model.x);
-  compare("rᵀ·r", ports.r_r, static_cast<std::int64_t>(state.z_r));
+  compare(rtl_.settings().preconditioned() ? "zᵀ·r" : "rᵀ·r", ports.z_r,
+          static_cast<std::int64_t>(state.z_r));
   compare("the mantissa of beta", ports.beta, state.beta.mantissa);
   compare("the exponent of beta", ports.beta_exponent, state.beta.exponent);
-  compare("the exponent of d less that of r", ports.d_exponent - ports.r_exponent,
+  compare("the exponent of d less that of z", ports.d_exponent - ports.z_exponent,
           state.direction_exponent);
   compare_direction();
 }
@@ -320,6 +321,9 @@ void RtlComparison::end_solve() {
   compare("the set of flags", of_hardware(is.flags).bits(), of_hardware(should.flags).bits());
   compare_matrix();
   compare_vectors();
+  if (rtl_.settings().preconditioned()) {
+    compare_words(Vector::z, engine_.vector_unit().memories().z);
+  }
   compare_x();
   // The engine begins to copy x at the instant of the end, and may be through by now.
   const bool copies = engine_.sequencer().state() == engine::State::copy;
@@ -328,6 +332,11 @@ void RtlComparison::end_solve() {
   rtl_.start_copy();
   if (!expects_flips_ || !copies) rtl_.end_copy();
   if (!copies) compare_direction();
+}
+
+void RtlComparison::invert() {
+  compare("the number of clocks in which the matrix is taken over", rtl_.invert(),
+          engine_.update_clocks());
 }
 
 // The cycle-accurate engine's editor knows the pattern that was loaded: what has flipped in the

@@ -37,6 +37,8 @@ class RtlComparison : public fixed::Observer {
   void iteration(const fixed::IterationState& state) override;
   // To be called when the engine's solve is over; then x is on its way into the copies of d.
   void end_solve();
+  // To be called behind the engine's start_inversion().
+  void invert();
   // To be called behind the engine's start_constraining() and start_restoring().
   void constrain(int node, std::int32_t diagonal);
   void restore(int node, std::span<const std::int32_t> row);

@@ -77,6 +77,8 @@ void RtlEngine::load(const fixed::QuantisedMatrix& matrix, const fixed::Settings
                                   "\" has memories for " + std::to_string(1 << size_.node_bits));
   }
   settings_ = settings;
+  has_inverse_ = false;
+  set_all(settings);
   set(0, nodes_);
   packages_.clear();
   std::vector<std::int32_t> words(3 * at(size_.package));
@@ -146,8 +148,36 @@ std::int64_t RtlEngine::restore(int node, std::span<const std::int32_t> row) {
   return edit(node, true, 0);
 }
 
-std::int64_t RtlEngine::edit(int node, bool restores, std::int32_t diagonal) {
+std::int64_t RtlEngine::invert(std::int64_t most) {
+  has_inverse_ = true;
+  if (!settings_.preconditioned()) return 1;
   end_copy();
+  ports_.invert = true;
+  model_->tick();
+  ports_.invert = false;
+  const std::int64_t clocks = run_order(most);
+  tell('i', clocks);
+  return clocks;
+}
+
+void RtlEngine::require_inverse(const fixed::Settings& settings) {
+  if (settings.method != settings_.method) has_inverse_ = false;
+  settings_ = settings;
+  set_all(settings);
+  if (!has_inverse_) invert();
+}
+
+std::int64_t RtlEngine::run_order(std::int64_t most) {
+  std::int64_t clocks = 0;
+  while (ports_.editing && clocks < most) {
+    tick();
+    if (++clocks == kHangs) throw std::logic_error("the RTL engine's matrix editor has no end");
+  }
+  return clocks;
+}
+
+std::int64_t RtlEngine::edit(int node, bool restores, std::int32_t diagonal) {
+  require_inverse(settings_);
   set(10, node);
   set(11, restores ? 1 : 0);
   set(12, diagonal);
@@ -155,11 +185,7 @@ std::int64_t RtlEngine::edit(int node, bool restores, std::int32_t diagonal) {
   ports_.edit = true;
   model_->tick();
   ports_.edit = false;
-  std::int64_t clocks = 0;
-  while (ports_.editing) {
-    tick();
-    if (++clocks == kHangs) throw std::logic_error("the RTL engine's matrix editor has no end");
-  }
+  const std::int64_t clocks = run_order();
   tell('e', clocks);
   return clocks;
 }
@@ -249,7 +275,8 @@ void RtlEngine::set_all(const fixed::Settings& s) {
   set(5, s.scaling_threshold);
   set(6, s.scaling_step);
   set(7, (s.start == fixed::Start::zero ? 1 : 0) | (s.start == fixed::Start::extrapolated ? 2 : 0) |
-             (s.dynamic_scaling ? 4 : 0) | (s.scaling_down ? 8 : 0));
+             (s.dynamic_scaling ? 4 : 0) | (s.scaling_down ? 8 : 0) |
+             (s.preconditioned() ? 16 : 0));
   set(8, rounding(s.shift_rounding));
   set(9, rounding(s.division_rounding));
   int exponent = 0;
@@ -263,8 +290,7 @@ void RtlEngine::set_all(const fixed::Settings& s) {
 void RtlEngine::start_solve(const fixed::Settings& settings) {
   require_fitting(size_, settings);
   end_copy();
-  settings_ = settings;
-  set_all(settings);
+  require_inverse(settings);
   clocks_ = 0;
   state_clocks_ = {};
   has_solved_ = true;

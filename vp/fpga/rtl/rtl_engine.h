@@ -2,6 +2,8 @@
 
 #include <array>
 #include <cstdint>
+#include <functional>
+#include <limits>
 #include <memory>
 #include <span>
 #include <utility>
@@ -64,6 +66,10 @@ class RtlEngine {
   // Flips a bit of a memory or register.
   void flip(const engine::Flip& flip);
   void abort();
+  // Makes P⁻¹ of all nodes, which a load leaves to this. Without a preconditioner it takes a clock.
+  // An edit and a solve do so first where nobody has. Returns the clocks that it takes, or `most`
+  // where it has had as many and is not over.
+  std::int64_t invert(std::int64_t most = kNoLimit);
   // Clears the row and the column of a node but for `diagonal`, or restores them from a row as
   // engine::CycleEngine does. Returns the clocks that it takes.
   std::int64_t constrain(int node, std::int32_t diagonal);
@@ -91,6 +97,8 @@ class RtlEngine {
   const fixed::Settings& settings() const { return settings_; }
 
  private:
+  static constexpr std::int64_t kNoLimit = std::numeric_limits<std::int64_t>::max();
+
   void write(Space space, std::uint32_t address, std::int64_t word);
   void set(std::uint32_t number, std::int64_t word) { write(Space::settings, number, word); }
   void write_vector(Space space, std::span<const std::int32_t> words);
@@ -98,6 +106,8 @@ class RtlEngine {
                      std::span<const std::int32_t> words);
   void write_places(const engine::Layout& layout, const fixed::QuantisedMatrix& matrix);
   std::int64_t edit(int node, bool restores, std::int32_t diagonal);
+  void require_inverse(const fixed::Settings& settings);
+  std::int64_t run_order(std::int64_t most = kNoLimit);
   void set_all(const fixed::Settings& settings);
   void reset();
   void solve_clock();
@@ -121,6 +131,7 @@ class RtlEngine {
   std::function<void()> watcher_;
   int nodes_ = 0;
   std::vector<int> packages_;  // of the partitions
+  bool has_inverse_ = false;  // P⁻¹ of the loaded matrix
   std::int64_t clocks_ = 0;
   std::int64_t copy_clocks_ = 0;
   bool copying_ = false;

@@ -50,8 +50,9 @@ void require_fitting(const EngineSize& size, const accel::Architecture& a) {
 }
 
 void require_fitting(const EngineSize& size, const fixed::Settings& s) {
-  require(s.method == fixed::Method::cg, "method", "a preconditioner or another recurrence",
-          "\"cg\"");
+  const bool jacobi = s.method == fixed::Method::jacobi_pcg;
+  require(s.method == fixed::Method::cg || (jacobi && size.preconditioner), "method",
+          "another method", size.preconditioner ? "\"cg\" or \"jacobi-pcg\"" : "\"cg\"");
   require_equal("matrix_bits", s.matrix_bits, size.matrix_bits);
   require_equal("vector_bits", s.vector_bits, size.vector_bits);
   require_equal("scalar_bits", s.scalar_bits, EngineSize::kScalarBits);

@@ -79,7 +79,7 @@ void RtlWaveform::declare(const std::string& scope) {
   }
   add(sequencer + "iteration", 32, [&ports] { return ports.iterations_made; });
   add_worth(sequencer + "z_r_value", [this, &ports] {
-    return std::ldexp(static_cast<double>(ports.r_r), -signed_value(scalar_exponent_));
+    return std::ldexp(static_cast<double>(ports.z_r), -signed_value(scalar_exponent_));
   });
   add(sequencer + "r_exponent", 32, [&ports] { return ports.r_exponent; });
   add(sequencer + "d_exponent", 32, [&ports] { return ports.d_exponent; });
@@ -123,10 +123,17 @@ void RtlWaveform::declare_vectors(const std::string& unit) {
     });
   };
   const auto of_r = [this] { return engine_.ports().r_exponent; };
+  const auto preconditioned = [this] { return engine_.settings().preconditioned(); };
   component("x", Vector::x, [] { return 0; });
   component("b", Vector::b, [this] { return -engine_.settings().rhs_shift(); });
   component("r", Vector::r, of_r);
-  component("z", Vector::r, of_r);  // without a preconditioner
+  // Without a preconditioner z is r.
+  const auto z = [word, preconditioned] { return word(preconditioned() ? Vector::z : Vector::r); };
+  add(unit + "z_x_word", 32, z);
+  add_worth(unit + "z_x_value", [this, z, preconditioned] {
+    const EnginePorts& ports = engine_.ports();
+    return std::ldexp(z(), -(preconditioned() ? ports.z_exponent : ports.r_exponent));
+  });
   component("d", Vector::d, [this] { return engine_.ports().d_exponent; });
   component("q", Vector::q, {});
 }

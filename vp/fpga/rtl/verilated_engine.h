@@ -52,6 +52,7 @@ class VerilatedEngine : public EngineModel {
     top_->host_word = ports.host_word;
     top_->go = ports.go ? 1 : 0;
     top_->copy = ports.copy ? 1 : 0;
+    top_->invert = ports.invert ? 1 : 0;
     top_->edit = ports.edit ? 1 : 0;
     top_->forget_previous = ports.forget_previous ? 1 : 0;
     top_->eval();
@@ -106,8 +107,9 @@ class VerilatedEngine : public EngineModel {
     ports.beta = static_cast<std::int32_t>(top_->beta);
     ports.beta_exponent = static_cast<std::int32_t>(top_->beta_exponent);
     ports.r_exponent = static_cast<std::int32_t>(top_->r_exponent);
+    ports.z_exponent = static_cast<std::int32_t>(top_->z_exponent);
     ports.d_exponent = static_cast<std::int32_t>(top_->d_exponent);
-    ports.r_r = static_cast<std::int64_t>(top_->r_r);
+    ports.z_r = static_cast<std::int64_t>(top_->z_r);
     ports.d_q = static_cast<std::int64_t>(top_->d_q);
     ports.turn_waits = top_->turn_waits;
     ports.room_waits = top_->room_waits;

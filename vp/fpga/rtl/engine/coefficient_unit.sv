@@ -9,6 +9,7 @@ module coefficient_unit
   import engine_types::*;
 #(
     parameter int VectorBits = 16,
+    parameter int ResidualBits = 16,  // of r and z where the engine has a preconditioner
     parameter int ProductBits = 32,
     parameter int CoefficientBits = 16,
     parameter int ScalarBits = 64,
@@ -20,6 +21,7 @@ module coefficient_unit
     input wire rounding_t division_rounding,
     input wire dynamic_scaling,
     input wire scaling_down,
+    input wire wide,  // r and z have ResidualBits
     input wire [4:0] target,
     input wire [4:0] threshold,
     input wire [4:0] step,
@@ -31,11 +33,13 @@ module coefficient_unit
     input wire over,
     input wire [ScalarBits-2:0] numerator,
     input wire [ScalarBits-2:0] denominator,
-    input wire signed [ExponentBits-1:0] scalar_exponent,         // of r.r
+    input wire signed [ExponentBits-1:0] scalar_exponent,         // of z.r
     input wire signed [ExponentBits-1:0] scalar_exponent_before,
     input wire signed [ExponentBits-1:0] r_exponent,
+    input wire signed [ExponentBits-1:0] z_exponent,
     input wire signed [ExponentBits-1:0] d_exponent,
-    input wire [VectorBits-2:0] largest_r,
+    input wire [ResidualBits-2:0] largest_r,
+    input wire [ResidualBits-2:0] largest_z,
     input wire [VectorBits-2:0] largest_d,
     input wire [ProductBits-2:0] largest_q,
     output logic [CoefficientBits-2:0] alpha,
@@ -90,24 +94,26 @@ module coefficient_unit
   end
 
   scaler #(
-      .FirstBits(V - 1),
+      .FirstBits(ResidualBits - 1),
       .MantissaBits(C - 1),
       .LargestBits(ProductBits - 1),
       .ExponentBits(E),
-      .WordBits(V)
+      .WordBits(V),
+      .WideWordBits(ResidualBits)
   ) scaling (
       .clock,
       .reset,
       .start(scales),
-      .first(largest_r),
-      .first_exponent(in_alpha ? '0 : d_exponent - r_exponent),
+      .wide(wide && in_alpha),
+      .first(in_alpha ? largest_r : largest_z),
+      .first_exponent(in_alpha ? '0 : d_exponent - z_exponent),
       .mantissa(in_alpha ? alpha : beta),
       .largest(in_alpha ? largest_q : (ProductBits - 1)'(largest_d)),
       .second_exponent(in_alpha ? change_exponent : beta_exponent),
       .dynamic_scaling,
       .scaling_down,
-      .target,
-      .available(5'(V - 1)),
+      .target(wide && in_alpha ? 5'(WideTarget) : target),
+      .available(wide && in_alpha ? 5'(WideTarget) : 5'(V - 1)),
       .threshold,
       .step,
       .done(scaled),

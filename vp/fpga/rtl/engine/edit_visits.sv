@@ -23,6 +23,7 @@ module edit_visits #(
     input wire [NodeBits-1:0] place_node,
     input wire [PlaceBits-1:0] place_word,
     input wire start,
+    input wire own_only,  // nobody's row but the node's own
     input wire [NodeBits-1:0] node,  // still from three clocks before `start`
     output logic busy,               // visits are left
     // A visit: the package, the row it belongs to, and of that row the block and how many columns
@@ -164,7 +165,7 @@ module edit_visits #(
 
     if (start) begin
       busy <= 1'b1;
-      scanning <= 1'b1;
+      scanning <= !own_only;
       scanned <= '0;
       scanned_any <= 1'b0;
       blocks <= place[PlaceBits-1-:BlockBits+1];

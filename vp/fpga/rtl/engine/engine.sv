@@ -1,8 +1,8 @@
-// The engine of thesis chapter 5 for plain CG: partitions of the matrix, the vector unit, the
+// The engine of thesis chapter 5, with Jacobi's preconditioner or without: partitions of the matrix, the vector unit, the
 // sequencer with its divider, and the host's port. The words and clocks of engine::CycleEngine are
 // those of this module (docs/rtl.md).
 //
-// Clocks are counted from the one behind the clock in which `go`, `copy` or `edit` is seen; the
+// Clocks are counted from the one behind the clock in which `go`, `copy`, `invert` or `edit` is seen; the
 // engine is idle again behind the last one. `reset` aborts whatever runs and leaves the memories and
 // the settings as they are.
 `default_nettype none
@@ -10,6 +10,7 @@
 module engine
   import engine_types::*;
 #(
+    parameter bit Preconditioner = 1'b0,  // z and P^-1; without them r is as long as x
     parameter int MatrixBits = 12,
     parameter int VectorBits = 16,
     parameter int CoefficientBits = 16,
@@ -39,6 +40,7 @@ module engine
     // Orders.
     input wire go,
     input wire copy,
+    input wire invert,           // P^-1 of all nodes: behind a load
     input wire edit,             // the matrix, as the settings say
     input wire forget_previous,  // an extrapolated start then has no solution before x
     // What a solve has come to.
@@ -58,8 +60,9 @@ module engine
     output wire [31:0] beta,
     output wire [31:0] beta_exponent,
     output wire [31:0] r_exponent,
+    output wire [31:0] z_exponent,
     output wire [31:0] d_exponent,
-    output wire [63:0] r_r,
+    output wire [63:0] z_r,
     output wire [63:0] d_q,
     // Clocks in which packages of any partition have waited since the solve began: for the banks of
     // d or the rows, and for room for a finished row.
@@ -73,12 +76,17 @@ module engine
   localparam int ProductShift = Excess > 0 ? Excess : 0;
   localparam int RowBits = MatrixBits + VectorBits + NodeBits;  // no row's exact sum is longer
   localparam int SumBits = RowBits > ProductBits ? RowBits : ProductBits + 1;
+  localparam int ResidualBits = Preconditioner ? WideBits : VectorBits;
+  localparam int DirectionBits =
+      direction_bits(Preconditioner, VectorBits, MatrixBits, ProductShift);
+  // z.r is there with rank 23, a pass is over with rank PhaseClocks - 1.
+  localparam int LateSums = Preconditioner && PhaseClocks < 24 ? 24 - PhaseClocks : 0;
   localparam int DotBits = ProductBits + VectorBits + NodeBits + 1;
+  localparam int SquareBits = 2 * ResidualBits - 2 + NodeBits + 2;
   localparam int ExponentBits = 22;
   localparam int DifferenceBits = difference_bits(VectorBits, StaticBits, ProductBits, ProductShift);
   localparam int Nodes = Package % 3 == 0 ? Package / 3 : (Package + 1) / 3 + 1;
 
-  if (DotBits > 64) $error("the stop test's sums have 64 bits");
   // What is not built: the arithmetic below leaves no room for it.
   localparam int DirectionAccesses = DirectionMemory == 2 ? 2 : 4;
   localparam int WriteAccesses = DirectionMemory == 1 ? 2 : 1;
@@ -94,7 +102,7 @@ module engine
     $error("the first rows would need words that the banks of d have not read");
   end
   if (PhaseClocks < 19) $error("the lanes have ranks up to 18");
-  if (DivisionClocks < (ScalarBits - 1) / 8 + CoefficientBits + 41) begin
+  if (DivisionClocks < (ScalarBits - 1) / 8 + CoefficientBits + 41 + LateSums) begin
     $error("the divider and the scaler take longer than a division");
   end
 
@@ -102,7 +110,7 @@ module engine
   wire [NodeBits:0] nodes;
   wire [15:0] iterations, replace_every;
   wire [4:0] static_shift, target, threshold, step;
-  wire starts_zero, extrapolated, dynamic_scaling, scaling_down;
+  wire starts_zero, extrapolated, dynamic_scaling, scaling_down, preconditions;
   wire rounding_t shift_rounding, division_rounding;
   wire [52:0] tolerance;
   wire signed [11:0] tolerance_exponent;
@@ -129,6 +137,7 @@ module engine
       .extrapolated,
       .dynamic_scaling,
       .scaling_down,
+      .preconditions,
       .shift_rounding,
       .division_rounding,
       .tolerance,
@@ -142,17 +151,20 @@ module engine
   wire start, hold, compare, first, zero, alone, exchange;
   wire pass_t pass;
   wire [CoefficientBits-2:0] coefficient, alpha_mantissa, beta_mantissa;
-  wire [5:0] right_d, right_q, right_r;
+  wire [6:0] right_d, right_q, right_r;
   wire beyond_d, beyond_q, beyond_r;
   wire done;
   wire signed [DotBits-1:0] dot;
-  wire [DotBits-1:0] squares;
-  wire [VectorBits-2:0] largest_r, largest_d;
+  wire [SquareBits-1:0] squares, z_dot_r;
+  wire [ResidualBits-2:0] largest_r, largest_z;
+  wire [VectorBits-2:0] largest_d;
   wire [ProductBits-2:0] largest_q;
   wire [DifferenceBits-1:0] widest;
   wire state_t state;
-  wire signed [ExponentBits-1:0] alpha_shift, change_shift, beta_shift, r_shift, d_shift;
-  wire signed [ScalarBits-1:0] r_r_word, d_q_word;
+  wire signed [ExponentBits-1:0] alpha_shift, change_shift, beta_shift, r_shift, z_shift, d_shift;
+  wire signed [ScalarBits-1:0] z_r_word, d_q_word;
+  wire wide = Preconditioner && preconditions;
+  wire [5:0] inverse_shift;
   logic has_previous;
   wire host_x = host_write && host_space == SpaceX;
   always_ff @(posedge clock) begin
@@ -160,15 +172,21 @@ module engine
     if (reset || forget_previous || host_x) has_previous <= 1'b0;
   end
   sequencer #(
+      .Preconditioner(Preconditioner),
+      .MatrixBits(MatrixBits),
       .VectorBits(VectorBits),
+      .ResidualBits(ResidualBits),
+      .DirectionBits(DirectionBits),
       .ProductBits(ProductBits),
       .CoefficientBits(CoefficientBits),
       .ScalarBits(ScalarBits),
       .ExponentBits(ExponentBits),
       .DifferenceBits(DifferenceBits),
       .DotBits(DotBits),
+      .SquareBits(SquareBits),
       .ProductShift(ProductShift),
-      .DivisionClocks(DivisionClocks)
+      .DivisionClocks(DivisionClocks),
+      .LateSums(LateSums)
   ) sequence_of_passes (
       .clock,
       .reset,
@@ -181,6 +199,8 @@ module engine
       .extrapolated,
       .dynamic_scaling,
       .scaling_down,
+      .preconditions,
+      .inverse_shift,
       .division_rounding,
       .static_shift,
       .target,
@@ -207,7 +227,9 @@ module engine
       .done,
       .dot,
       .squares,
+      .z_dot_r,
       .largest_r,
+      .largest_z,
       .largest_d,
       .largest_q,
       .widest,
@@ -225,8 +247,9 @@ module engine
       .beta(beta_mantissa),
       .beta_exponent(beta_shift),
       .r_exponent(r_shift),
+      .z_exponent(z_shift),
       .d_exponent(d_shift),
-      .r_r(r_r_word),
+      .z_r(z_r_word),
       .d_q(d_q_word)
   );
   assign state_number = state;
@@ -235,8 +258,9 @@ module engine
   assign beta = 32'(beta_mantissa);
   assign beta_exponent = 32'(beta_shift);
   assign r_exponent = 32'(r_shift);
+  assign z_exponent = 32'(z_shift);
   assign d_exponent = 32'(d_shift);
-  assign r_r = 64'(r_r_word);
+  assign z_r = 64'(z_r_word);
   assign d_q = 64'(d_q_word);
 
   // ---- The vector unit.
@@ -250,10 +274,18 @@ module engine
   wire [Lanes-1:0][2:0][VectorBits-1:0] direction_new;
   wire [Lanes-1:0][2:0][VectorBits-1:0] direction_words;
   wire [VectorBits-1:0] x_word;
+  wire inverts, inverse_write;
+  wire [NodeBits-1:0] inverse_node;
+  wire [1:0] inverse_component;
+  wire [ResidualBits-2:0] inverse_word;
+  wire [WideBits-2:0] inverse_new;
   vector_unit #(
+      .Preconditioner(Preconditioner),
       .Lanes(Lanes),
       .Partitions(Partitions),
       .VectorBits(VectorBits),
+      .ResidualBits(ResidualBits),
+      .DirectionBits(DirectionBits),
       .ProductBits(ProductBits),
       .CoefficientBits(CoefficientBits),
       .StaticBits(StaticBits),
@@ -265,7 +297,8 @@ module engine
       .PhaseClocks(PhaseClocks),
       .DirectionBanks(DirectionBanks),
       .DirectionAccesses(DirectionAccesses),
-      .DirectionWriteAccesses(WriteAccesses)
+      .DirectionWriteAccesses(WriteAccesses),
+      .SquareBits(SquareBits)
   ) vectors (
       .clock,
       .reset,
@@ -276,7 +309,7 @@ module engine
       .host_b_write(host_write && host_space == SpaceB),
       .host_node(host_address[2+:NodeBits]),
       .host_component(host_address[1:0]),
-      .host_word(host_word[VectorBits-1:0]),
+      .host_word(host_word[ResidualBits-1:0]),
       .host_x(x_word),
       .start,
       .pass,
@@ -287,6 +320,8 @@ module engine
       .alone,
       .exchange,
       .coefficient,
+      .wide,
+      .inverse_shift,
       .right_d,
       .right_q,
       .right_r,
@@ -297,11 +332,19 @@ module engine
       .done,
       .dot,
       .squares,
+      .z_dot_r,
       .largest_r,
+      .largest_z,
       .largest_d,
       .largest_q,
       .widest,
       .clamped,
+      .inverts,
+      .inverse_node,
+      .inverse_component,
+      .inverse_write,
+      .inverse_new(inverse_new[ResidualBits-2:0]),
+      .inverse_word,
       .product,
       .finished(rows_finished),
       .taken,
@@ -318,6 +361,7 @@ module engine
 
   // ---- The partitions of the matrix, and its editor.
   matrix_partitions #(
+      .Preconditioner(Preconditioner),
       .Package(Package),
       .MatrixBits(MatrixBits),
       .VectorBits(VectorBits),
@@ -332,7 +376,8 @@ module engine
       .RowsInParallel(RowsInParallel),
       .DirectionBanks(DirectionBanks),
       .DirectionMemory(DirectionMemory),
-      .DirectionAccesses(DirectionAccesses)
+      .DirectionAccesses(DirectionAccesses),
+      .DivisionClocks(DivisionClocks)
   ) matrix (
       .clock,
       .reset,
@@ -340,11 +385,21 @@ module engine
       .host_space,
       .host_address,
       .host_word,
+      .nodes,
+      .preconditions,
+      .invert,
       .edit,
       .restores,
       .edited_node,
       .diagonal,
       .editing,
+      .inverts,
+      .inverse_node,
+      .inverse_component,
+      .inverse_write,
+      .inverse_new,
+      .inverse_word((WideBits - 1)'(inverse_word)),
+      .inverse_shift,
       .product,
       .start(start && pass == Product),
       .direction_read,
@@ -362,7 +417,7 @@ module engine
       .room_waits
   );
 
-  wire unused = &{1'b0, alpha_shift};
+  wire unused = &{1'b0, alpha_shift, preconditions, inverse_new};
 
 endmodule
 

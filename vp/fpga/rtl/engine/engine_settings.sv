@@ -24,6 +24,7 @@ module engine_settings
     output logic extrapolated,
     output logic dynamic_scaling,
     output logic scaling_down,
+    output logic preconditions,  // by the inverse diagonal
     output rounding_t shift_rounding,
     output rounding_t division_rounding,
     // The square of the stop test's tolerance; without a mantissa nothing is tested.
@@ -45,7 +46,7 @@ module engine_settings
         4'd4: target <= 5'(VectorBits - 1) - word[4:0];
         4'd5: threshold <= word[4:0];
         4'd6: step <= word[4:0];
-        4'd7: {scaling_down, dynamic_scaling, extrapolated, starts_zero} <= word[3:0];
+        4'd7: {preconditions, scaling_down, dynamic_scaling, extrapolated, starts_zero} <= word[4:0];
         4'd8: shift_rounding <= rounding_t'(word[1:0]);
         4'd9: division_rounding <= rounding_t'(word[1:0]);
         4'd10: edited_node <= word[NodeBits-1:0];

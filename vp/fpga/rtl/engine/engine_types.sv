@@ -7,10 +7,10 @@ package engine_types;
     Copy,            // x into the copies of d
     Guess,           // the same with x on the line through the last two solutions
     Product,         // group a: rows that the partitions finish become q, and their part of d.q
-    Residual,        // r = b - q, and r.r
-    FirstDirection,  // d = r
-    Update,          // group b: x, r and r.r
-    Direction        // group c: d = r + beta d
+    Residual,        // r = b - q, z = P^-1 r, and z.r
+    FirstDirection,  // d = z
+    Update,          // group b: x, r, z and z.r
+    Direction        // group c: d = z + beta d
   } pass_t;
 
   // The states of a solve, in the order of engine::State.
@@ -54,6 +54,31 @@ package engine_types;
     SpaceStaged     // the row that comes back: the address is {block, entry}, the latter in four
                     // bits; after nine words of a block, in the order of its pattern, entry 15
   } space_t;
+
+  // With a preconditioner (fixed::Settings): the bits of r, z and b, to how many of them dynamic
+  // scaling brings r, and the bits of P^-1 beyond those of the matrix.
+  /* verilator lint_off UNUSEDPARAM */  // in a module that is translated on its own
+  localparam int WideBits = 32;
+  localparam int WideTarget = 25;
+  localparam int InverseBits = 18;
+  /* verilator lint_on UNUSEDPARAM */
+
+  // Places behind the point of the words that align a product with a coefficient, whose mantissa
+  // has its highest bit: one that is shifted to the left by more is beyond every word.
+  function automatic int below_products(input int word_bits, input int coefficient_bits);
+    return word_bits > coefficient_bits ? word_bits - coefficient_bits + 1 : 2;
+  endfunction
+
+  // The bits of z where it is aligned to be d. Without dynamic scaling it may be shifted to the left:
+  // by q's dropped bits and P^-1's longest word, less the bits by which P^-1 is scaled.
+  function automatic int direction_bits(input bit preconditioner, input int vector_bits,
+                                        input int matrix_bits, input int product_shift);
+    automatic int scale = matrix_bits + InverseBits;
+    automatic int longest = scale + 1 < WideBits - 1 ? scale + 1 : WideBits - 1;
+    automatic int left = product_shift + longest - scale;
+    if (!preconditioner) return vector_bits;
+    return WideBits + (left > 0 ? left : 0);
+  endfunction
 
   // The bits of |b * 2^static_shift - q * 2^product_shift|.
   function automatic int difference_bits(input int vector_bits, input int static_bits,

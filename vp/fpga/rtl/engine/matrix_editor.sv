@@ -2,7 +2,8 @@
 // that the host has sent (engine::MatrixEditor; thesis sections 3.7 and 6.2.1).
 //
 // A package goes through three ranks: its memories are read (two), its words are changed, and it is
-// written back. An order takes the clocks of its visits, one a package, and PhaseClocks more.
+// written back. An order takes the clocks of its visits, one a package, and PhaseClocks more. Each tells
+// the diagonal of the node's row, which `look` only reads.
 `default_nettype none
 
 module matrix_editor #(
@@ -33,10 +34,14 @@ module matrix_editor #(
     input wire [MatrixBits-1:0] staged_word,
     // An order: the registers hold still from three clocks before.
     input wire start,
+    input wire look,  // the own row is read and stays as it is
     input wire restores,
     input wire [NodeBits-1:0] node,
     input wire [MatrixBits-1:0] diagonal,
     output logic busy,
+    output wire over,          // with the next edge it is busy no more
+    output wire looked,        // the order to look is over
+    output logic [2:0][MatrixBits-1:0] diagonal_words,
     // The partitions' memories.
     output wire [PackageBits-1:0] read_package,
     input wire [Partitions-1:0][2:0][Package-1:0][MatrixBits-1:0] words,
@@ -53,7 +58,7 @@ module matrix_editor #(
   // ---- Contact nodes, one bit each: looked up for every column of a package.
   logic contact[2**NodeBits];
   always_ff @(posedge clock) begin
-    if (start) contact[node] <= !restores;
+    if (start && !look) contact[node] <= !restores;
     else if (contact_write) contact[contact_node] <= contact_word;
   end
 
@@ -77,6 +82,13 @@ module matrix_editor #(
     wire [BlockBits-1:0] ahead = first_block + BlockBits'(Banks - 1 - b);
     assign staged[b] = cells[ahead[BlockBits-1:BankBits]];
     wire unused = &{1'b0, ahead[BankBits-1:0]};
+  end
+
+  // ---- An order.
+  logic looks;
+  always_ff @(posedge clock) begin
+    if (start) looks <= look;
+    else if (looked || reset) looks <= 1'b0;
   end
 
   // ---- Visits. Ranks: the address, the memories' registers, and the words.
@@ -107,6 +119,7 @@ module matrix_editor #(
       .place_node,
       .place_word,
       .start,
+      .own_only(look),
       .node,
       .busy(visits_left),
       .visit,
@@ -158,7 +171,7 @@ module matrix_editor #(
   always_comb begin
     for (int n = 0; n < Nodes; ++n) begin
       is_node[n] = nodes2[n] == node;
-      touched[n] = own[2] ? is_node[n] || !(restores && node_is_contact[n])
+      touched[n] = looks ? 1'b0 : own[2] ? is_node[n] || !(restores && node_is_contact[n])
                           : is_node[n] && !(restores && row_is_contact);
     end
   end
@@ -201,20 +214,51 @@ module matrix_editor #(
   end
   always_ff @(posedge clock) begin
     for (int p = 0; p < Partitions; ++p) begin
-      write[p] <= valid[2] && partition[2] == PartitionBits'(p) && !reset;
+      write[p] <= valid[2] && partition[2] == PartitionBits'(p) && !looks && !reset;
     end
     write_package <= package_at[2];
   end
+
+  // ---- The diagonal of the own row, as its words are behind rank 2.
+  logic valid3;
+  logic [Package-1:0] on_diagonal3;  // columns of the node's own block
+  logic [1:0] phase3;
+  always_ff @(posedge clock) begin
+    valid3 <= valid[2] && !reset;
+    phase3 <= phase2;
+  end
+  for (genvar c = 0; c < Package; ++c) begin : g_diagonal
+    localparam int Node0 = c / 3;
+    localparam int Node1 = (c + 1) / 3 < Nodes ? (c + 1) / 3 : Nodes - 1;
+    localparam int Node2 = (c + 2) / 3 < Nodes ? (c + 2) / 3 : Nodes - 1;
+    wire of_node = phase2 == 2'd0 ? is_node[Node0] : phase2 == 2'd1 ? is_node[Node1] : is_node[Node2];
+    always_ff @(posedge clock) begin
+      on_diagonal3[c] <= valid[2] && own[2] && ColumnBits'(c) < columns[2] && of_node;
+    end
+  end
+  always_ff @(posedge clock) begin
+    for (int r = 0; r < 3; ++r) begin
+      for (int c = 0; c < Package; ++c) begin
+        if (on_diagonal3[c] && 2'(r) == (phase3 == 2'd0 ? 2'(c % 3) : phase3 == 2'd1
+                                         ? 2'((c + 1) % 3) : 2'((c + 2) % 3))) begin
+          diagonal_words[r] <= new_words[r][c];
+        end
+      end
+    end
+  end
+  assign looked = looks && !visits_left && !visit && valid == '0 && !valid3;
 
   // ---- The clocks of an order: its visits, then PhaseClocks. The gap behind the own row, and the
   // ranks behind the last visit, are shorter than that.
   logic [15:0] visited, elapsed;
   wire [15:0] elapsed_now = elapsed + 1'b1;
+  assign over =
+      busy && !visits_left && !visit && elapsed_now == visited + 16'(PhaseClocks);
   always_ff @(posedge clock) begin
     if (busy) elapsed <= elapsed_now;
     if (visit) visited <= visited + 1'b1;
-    if (busy && !visits_left && !visit && elapsed_now == visited + 16'(PhaseClocks)) busy <= 1'b0;
-    if (start) begin
+    if (over) busy <= 1'b0;
+    if (start && !look) begin
       busy <= 1'b1;
       visited <= '0;
       elapsed <= '0;

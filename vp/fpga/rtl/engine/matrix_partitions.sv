@@ -1,4 +1,5 @@
-// The matrix: its partitions, the editor that changes their words, and the host's writes to both.
+// The matrix: its partitions, the editor that changes their words, the maker of P^-1 behind it, and the
+// host's writes to them.
 //
 // Timing is that of spmxv_partition.sv and matrix_editor.sv. The host and the editor share the
 // partitions' write ports: the host waits while an order of the editor runs.
@@ -7,6 +8,7 @@
 module matrix_partitions
   import engine_types::*;
 #(
+    parameter bit Preconditioner = 1'b0,
     parameter int Package = 8,
     parameter int MatrixBits = 12,
     parameter int VectorBits = 16,
@@ -21,7 +23,8 @@ module matrix_partitions
     parameter int RowsInParallel = 3,
     parameter int DirectionBanks = 1,
     parameter int DirectionMemory = 0,
-    parameter int DirectionAccesses = 4
+    parameter int DirectionAccesses = 4,
+    parameter int DivisionClocks = 68
 ) (
     input wire clock,
     input wire reset,
@@ -29,12 +32,23 @@ module matrix_partitions
     input wire space_t host_space,
     input wire [31:0] host_address,
     input wire [31:0] host_word,
-    // An order to the editor.
+    input wire [NodeBits:0] nodes,
+    input wire preconditions,
+    // An order: P^-1 of all nodes, or one to the editor.
+    input wire invert,
     input wire edit,
     input wire restores,
     input wire [NodeBits-1:0] edited_node,
     input wire [MatrixBits-1:0] diagonal,
     output wire editing,
+    // P^-1.
+    output wire inverts,
+    output wire [NodeBits-1:0] inverse_node,
+    output wire [1:0] inverse_component,
+    output wire inverse_write,
+    output wire [WideBits-2:0] inverse_new,
+    input wire [WideBits-2:0] inverse_word,
+    output wire [5:0] inverse_shift,
     // The sequencer and the vector unit.
     input wire product,
     input wire start,
@@ -81,6 +95,48 @@ module matrix_partitions
   wire [PackageBits-1:0] read_package, edited_package;
   wire [Partitions-1:0] edit_write;
   wire [2:0][Package-1:0][MatrixBits-1:0] edited_words;
+  // ---- P^-1.
+  wire edits, edited, looks_up, look, looked;
+  wire [2:0][MatrixBits-1:0] diagonal_words;
+  if (Preconditioner) begin : g_preconditioner
+    inverse_maker #(
+        .MatrixBits(MatrixBits),
+        .NodeBits(NodeBits),
+        .PhaseClocks(PhaseClocks),
+        .DivisionClocks(DivisionClocks)
+    ) maker (
+        .clock,
+        .reset,
+        .nodes,
+        .all(invert),
+        .one(edited && preconditions),
+        .edited_node,
+        .busy(inverts),
+        .inverts_all(looks_up),
+        .look,
+        .node(inverse_node),
+        .looked,
+        .diagonal(diagonal_words),
+        .component(inverse_component),
+        .write(inverse_write),
+        .word(inverse_new),
+        .old_word(inverse_word),
+        .shift(inverse_shift)
+    );
+  end else begin : g_none
+    assign inverts = 1'b0;
+    assign looks_up = 1'b0;
+    assign look = 1'b0;
+    assign inverse_node = '0;
+    assign inverse_component = '0;
+    assign inverse_write = 1'b0;
+    assign inverse_new = '0;
+    assign inverse_shift = '0;
+    wire unused_preconditioner = &{1'b0, nodes, preconditions, invert, edited, looked, diagonal_words,
+                                   inverse_word};
+  end
+  assign editing = edits || inverts;
+
   matrix_editor #(
       .Package(Package),
       .MatrixBits(MatrixBits),
@@ -103,11 +159,15 @@ module matrix_partitions
       .staged_block(host_address[4+:BlockBits]),
       .staged_entry(host_address[3:0]),
       .staged_word(host_word[MatrixBits-1:0]),
-      .start(edit),
+      .start(edit || look),
+      .look,
       .restores,
-      .node(edited_node),
+      .node(looks_up ? inverse_node : edited_node),
       .diagonal,
-      .busy(editing),
+      .busy(edits),
+      .over(edited),
+      .looked,
+      .diagonal_words,
       .read_package,
       .words(matrix_words),
       .index(index_words),

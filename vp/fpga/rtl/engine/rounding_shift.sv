@@ -11,11 +11,12 @@ module rounding_shift
   import engine_types::*;
 #(
     parameter int InBits = 48,
-    parameter int OutBits = 18
+    parameter int OutBits = 18,
+    parameter int RightBits = 6
 ) (
     input wire clock,
     input wire rounding_t rounding,     // still while a pass runs, like `right` and `beyond`
-    input wire [5:0] right,
+    input wire [RightBits-1:0] right,
     input wire beyond,
     input wire [InBits-1:0] magnitude,
     output logic [OutBits-1:0] word     // three clocks later
@@ -24,7 +25,7 @@ module rounding_shift
   // One bit more: what is shifted out last.
   localparam int Wide = InBits + 1;
   wire [Wide-1:0] extended = {magnitude, 1'b0};
-  wire [5:0] eights = {right[5:3], 3'b000};
+  wire [RightBits-1:0] eights = {right[RightBits-1:3], 3'b000};
 
   logic [Wide-1:0] coarse, fine;
   logic coarse_rest, fine_rest, coarse_beyond, fine_beyond;

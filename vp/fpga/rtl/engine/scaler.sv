@@ -11,12 +11,14 @@ module scaler #(
     parameter int MantissaBits = 15,  // of a magnitude
     parameter int LargestBits = 31,
     parameter int ExponentBits = 22,
-    parameter int WordBits = 16       // of the vector that is written, sign included
+    parameter int WordBits = 16,      // of the vector that is written, sign included
+    parameter int WideWordBits = 16   // the same where the input `wide` says so
 ) (
     input wire clock,
     input wire reset,
     input wire start,
     // These hold still until `done`.
+    input wire wide,
     input wire [FirstBits-1:0] first,
     input wire signed [ExponentBits-1:0] first_exponent,
     input wire [MantissaBits-1:0] mantissa,
@@ -178,7 +180,8 @@ module scaler #(
         state <= Widen;
       end
       Widen: begin  // room for the rounding of both terms
-        widened <= {1'b0, sum} + ({1'b0, sum} >> (WordBits - 3));
+        widened <= {1'b0, sum} + (wide ? {1'b0, sum} >> (WideWordBits - 3)
+                                       : {1'b0, sum} >> (WordBits - 3));
         state <= MeasureSum;
       end
       MeasureSum: begin

@@ -1,23 +1,30 @@
-// The control unit for plain CG: the passes of a solve in the order of thesis Fig. 4.4, the exponents
+// The control unit: the passes of a solve in the order of thesis Fig. 4.4, the exponents
 // of the vectors (dynamic scaling, thesis section 4.2), alpha and beta (engine::Sequencer).
 //
 // It acts at the clock in which a unit says that it is done: the next unit begins with the clock
 // after. A division takes DivisionClocks from the clock in which its operands are there to the one
-// in which the next pass is ordered: the divider and then the scaler work within them.
+// in which the next pass is ordered: the divider and then the scaler work within them. Of a pass that
+// makes r, z.r and the size of z may be LateSums clocks behind its end; they work that much later.
 `default_nettype none
 
 module sequencer
   import engine_types::*;
 #(
+    parameter bit Preconditioner = 1'b0,
+    parameter int MatrixBits = 12,
     parameter int VectorBits = 16,
+    parameter int ResidualBits = 16,
+    parameter int DirectionBits = 16,
     parameter int ProductBits = 32,
     parameter int CoefficientBits = 16,
     parameter int ScalarBits = 64,
     parameter int ExponentBits = 22,
     parameter int DifferenceBits = 32,
     parameter int DotBits = 60,
+    parameter int SquareBits = 60,
     parameter int ProductShift = 0,
-    parameter int DivisionClocks = 68
+    parameter int DivisionClocks = 68,
+    parameter int LateSums = 0
 ) (
     input wire clock,
     input wire reset,
@@ -32,6 +39,8 @@ module sequencer
     input wire extrapolated,
     input wire dynamic_scaling,
     input wire scaling_down,
+    input wire preconditions,
+    input wire [5:0] inverse_shift,  // that z = P^-1 r drops
     input wire rounding_t division_rounding,
     input wire [4:0] static_shift,
     input wire [4:0] target,  // bits of magnitude after scaling up
@@ -50,17 +59,19 @@ module sequencer
     output logic alone,
     output logic exchange,
     output logic [CoefficientBits-2:0] coefficient,
-    output wire [5:0] right_d,
-    output wire [5:0] right_q,
-    output wire [5:0] right_r,
+    output wire [6:0] right_d,
+    output wire [6:0] right_q,
+    output wire [6:0] right_r,
     output wire beyond_d,
     output wire beyond_q,
     output wire beyond_r,
     // From it.
     input wire done,
     input wire signed [DotBits-1:0] dot,
-    input wire [DotBits-1:0] squares,
-    input wire [VectorBits-2:0] largest_r,
+    input wire [SquareBits-1:0] squares,
+    input wire [SquareBits-1:0] z_dot_r,
+    input wire [ResidualBits-2:0] largest_r,
+    input wire [ResidualBits-2:0] largest_z,
     input wire [VectorBits-2:0] largest_d,
     input wire [ProductBits-2:0] largest_q,
     input wire [DifferenceBits-1:0] widest,
@@ -81,23 +92,26 @@ module sequencer
     output wire signed [ExponentBits-1:0] beta_exponent,
     output logic signed [ExponentBits-1:0] r_exponent,
     output logic signed [ExponentBits-1:0] d_exponent,
-    output logic signed [ScalarBits-1:0] r_r,
+    output wire signed [ExponentBits-1:0] z_exponent,
+    output logic signed [ScalarBits-1:0] z_r,
     output logic signed [ScalarBits-1:0] d_q
 );
 
   localparam int V = VectorBits;
+  localparam int R = ResidualBits;
   localparam int C = CoefficientBits;
   localparam int E = ExponentBits;
   localparam int S = ScalarBits;
   // Places behind the point of the aligners' words in vector_lane.sv.
-  localparam int BelowProducts = V > C ? V - C + 2 : 2;
-  localparam int BelowDifference = V - 2;
-  localparam int BelowR = V - 1;
+  localparam int BelowD = below_products(DirectionBits, C);
+  localparam int BelowQ = below_products(R, C);
+  localparam int BelowDifference = R - 2;
+  localparam int BelowR = R - 1;
   localparam int CountBits = $clog2(DivisionClocks + 1);
 
   logic [15:0] loops, until_replacement;
   logic replaced;
-  logic signed [E-1:0] scalar_exponent, scalar_exponent_before;  // of r.r
+  logic signed [E-1:0] scalar_exponent, scalar_exponent_before;  // of z.r
 
   // ---- Inner products become scalars once.
   logic signed [S-1:0] scalar;
@@ -112,11 +126,21 @@ module sequencer
     assign overflows = 1'b0;
     assign scalar = S'(dot);
   end
+  // P^-1 has no negative words, so that no term of z.r is negative.
+  wire [S-2:0] new_z_r;
+  wire z_r_overflows;
+  if (SquareBits > S - 1) begin : g_clamped_z_r
+    assign z_r_overflows = |z_dot_r[SquareBits-1:S-1];
+    assign new_z_r = z_r_overflows ? '1 : z_dot_r[S-2:0];
+  end else begin : g_exact_z_r
+    assign z_r_overflows = 1'b0;
+    assign new_z_r = (S - 1)'(z_dot_r);
+  end
 
-  // ---- Shifts of a pass. What is shifted to the right by more than 63 bits is zero.
+  // ---- Shifts of a pass. What is shifted to the right by more than 127 bits is zero.
   logic signed [E-1:0] d_shift, q_shift, r_shift;
-  function automatic logic [5:0] count(input logic signed [E-1:0] right);
-    return right[E-1] ? 6'd0 : |right[E-2:6] ? 6'd63 : right[5:0];
+  function automatic logic [6:0] count(input logic signed [E-1:0] right);
+    return right[E-1] ? 7'd0 : |right[E-2:7] ? 7'd127 : right[6:0];
   endfunction
   assign right_d = count(d_shift);
   assign right_q = count(q_shift);
@@ -140,6 +164,7 @@ module sequencer
   wire signed [E-1:0] up;
   coefficient_unit #(
       .VectorBits(V),
+      .ResidualBits(R),
       .ProductBits(ProductBits),
       .CoefficientBits(C),
       .ScalarBits(S),
@@ -151,6 +176,7 @@ module sequencer
       .division_rounding,
       .dynamic_scaling,
       .scaling_down,
+      .wide(Preconditioner && preconditions),
       .target,
       .threshold,
       .step,
@@ -164,8 +190,10 @@ module sequencer
       .scalar_exponent,
       .scalar_exponent_before,
       .r_exponent,
+      .z_exponent,
       .d_exponent,
       .largest_r,
+      .largest_z,
       .largest_d,
       .largest_q,
       .alpha,
@@ -177,11 +205,21 @@ module sequencer
   );
 
   // ---- Exponents that follow from a pass' end.
-  wire signed [E-1:0] difference_up = E'(target) - length(widest);
+  if (Preconditioner) begin : g_z
+    localparam logic signed [E-1:0] Scale = E'(MatrixBits + InverseBits);
+    assign z_exponent = preconditions ? r_exponent + Scale - E'(inverse_shift) : r_exponent;
+  end else begin : g_z_is_r
+    assign z_exponent = r_exponent;
+    wire unused = &{1'b0, preconditions, inverse_shift};
+  end
+  wire [4:0] residual_target = Preconditioner && preconditions ? 5'(WideTarget) : target;
+  wire signed [E-1:0] difference_up = E'(residual_target) - length(widest);
   wire signed [E-1:0] residual_exponent =
       dynamic_scaling && widest != '0 ? difference_up : -E'(static_shift);
+  // The first d is in units of x where nothing scales z.
   wire signed [E-1:0] first_up =
-      dynamic_scaling ? E'(target) - length(DifferenceBits'(largest_r)) : '0;
+      dynamic_scaling ? E'(target) - length(DifferenceBits'(largest_z))
+                      : Preconditioner && preconditions ? -z_exponent : '0;
   // Only used where a replacement does not take the place of the scaling.
   wire signed [E-1:0] r_up = replaced ? '0 : up;
   wire signed [E-1:0] d_up = holds_division ? '0 : up;
@@ -191,7 +229,7 @@ module sequencer
   wire forms_r = state == InStartResidual || state == InAnewResidual ||
                  (state == InUpdate && !replaced);
   stop_test #(
-      .DotBits(DotBits),
+      .SquareBits(SquareBits),
       .ExponentBits(E)
   ) stopping (
       .clock,
@@ -200,12 +238,26 @@ module sequencer
       .tolerance_exponent,
       .static_shift,
       .take_rhs(done && state == InStartProduct),
-      .squares,
+      .rhs_squares(squares),
       .take_residual(done && forms_r && !hold),
-      .dot(dot),
+      .squares,
       .r_exponent,
       .reached(small_enough)
   );
+
+  // ---- The sums of a pass that has made r are there.
+  wire sums_made;
+  if (LateSums == 0) begin : g_in_time
+    assign sums_made = done && forms_r;
+  end else begin : g_late
+    logic [LateSums-1:0] late;
+    always_ff @(posedge clock) late <= reset ? '0 : LateSums'({late, done && forms_r});
+    assign sums_made = late[LateSums-1];
+  end
+  // Behind the start's residual stands the first direction, which may have begun: its d waits for
+  // the shift up to rank 6.
+  logic starting;
+  wire takes_first = LateSums == 0 ? state == InStartResidual : starting;
 
   wire [15:0] loops_now = state == InDirection ? loops + 1'b1 : loops;
 
@@ -270,11 +322,7 @@ module sequencer
         pass <= FirstDirection;
         first <= 1'b0;
         zero <= 1'b0;
-        r_r <= scalar;
-        scalar_overflow <= scalar_overflow || overflows;
-        scalar_exponent <= r_exponent <<< 1;
-        d_exponent <= r_exponent + first_up;
-        r_shift <= E'(BelowR) - first_up;
+        starting <= 1'b1;
         state <= InFirstDirection;
       end
 
@@ -290,7 +338,7 @@ module sequencer
           finished <= 1'b1;
           state <= InIdle;
         end else begin
-          if (r_r <= 0 || largest_d == '0) hold <= 1'b1;
+          if (z_r <= 0 || largest_d == '0) hold <= 1'b1;
           start <= 1'b1;
           pass <= Product;
           state <= InProduct;
@@ -310,7 +358,7 @@ module sequencer
           state <= InIdle;
         end else begin
           divides <= 1'b1;
-          numerator <= r_r[S-2:0];
+          numerator <= z_r[S-2:0];
           denominator <= hold ? (S - 1)'(1) : scalar[S-2:0];
           clocks_left <= CountBits'(DivisionClocks);
           // A residual is formed anew in this iteration.
@@ -332,8 +380,8 @@ module sequencer
             until_replacement <= replaced ? replace_every : until_replacement - 1'b1;
           end
           r_exponent <= r_exponent + r_up;
-          d_shift <= E'(BelowProducts) - (alpha_exponent - d_exponent);
-          q_shift <= E'(BelowProducts) - (change_exponent + r_up);
+          d_shift <= E'(BelowD) - (alpha_exponent - d_exponent);
+          q_shift <= E'(BelowQ) - (change_exponent + r_up);
           r_shift <= E'(BelowR) - r_up;
         end
         state <= InUpdate;
@@ -347,14 +395,16 @@ module sequencer
         exchange <= 1'b0;
         state <= InAnewProduct;
       end else if (done) begin
-        take_residual();
+        clocks_left <= CountBits'(DivisionClocks);
+        state <= InBeta;
       end
 
       InAnewResidual:
       if (done) begin
         exchange <= 1'b0;
         replaced <= 1'b0;
-        take_residual();
+        clocks_left <= CountBits'(DivisionClocks);
+        state <= InBeta;
       end
 
       InBeta:
@@ -364,8 +414,8 @@ module sequencer
         coefficient <= beta;
         if (!hold) begin
           d_exponent <= d_exponent + d_up;
-          d_shift <= E'(BelowProducts) - (beta_exponent + d_up);
-          r_shift <= E'(BelowR) - (d_exponent + d_up - r_exponent);
+          d_shift <= E'(BelowD) - (beta_exponent + d_up);
+          r_shift <= E'(BelowR) - (d_exponent + d_up - z_exponent);
         end
         state <= InDirection;
       end
@@ -373,31 +423,44 @@ module sequencer
       default: state <= InIdle;
     endcase
 
+    if (sums_made) begin
+      starting <= 1'b0;
+      if (takes_first) take_first_residual();
+      else take_residual();
+    end
+
     if (reset) begin
       state <= InIdle;
       start <= 1'b0;
       divides <= 1'b0;
-        clocks_left <= '0;
+      clocks_left <= '0;
+      starting <= 1'b0;
       finished <= 1'b0;
       iteration_made <= 1'b0;
     end
   end
 
-  // The new residual's r.r, and beta from it; without a residual there is no direction of old.
+  task automatic take_first_residual();
+    z_r <= {1'b0, new_z_r};
+    scalar_overflow <= scalar_overflow || z_r_overflows;
+    scalar_exponent <= r_exponent + z_exponent;
+    d_exponent <= z_exponent + first_up;
+    r_shift <= E'(BelowR) - first_up;
+  endtask
+
+  // The new residual's z.r, and beta from it; without a residual there is no direction of old.
   task automatic take_residual();
     divides <= 1'b1;
-    clocks_left <= CountBits'(DivisionClocks);
-    denominator <= hold ? (S - 1)'(1) : r_r[S-2:0];
-    numerator <= scalar[S-2:0];
-    holds_division <= hold || scalar <= 0;
-    clears_beta <= !hold && scalar <= 0;
+    denominator <= hold ? (S - 1)'(1) : z_r[S-2:0];
+    numerator <= new_z_r;
+    holds_division <= hold || new_z_r == '0;
+    clears_beta <= !hold && new_z_r == '0;
     if (!hold) begin
-      r_r <= scalar;
-      scalar_overflow <= scalar_overflow || overflows;
-      scalar_exponent <= r_exponent <<< 1;
+      z_r <= {1'b0, new_z_r};
+      scalar_overflow <= scalar_overflow || z_r_overflows;
+      scalar_exponent <= r_exponent + z_exponent;
       scalar_exponent_before <= scalar_exponent;
     end
-    state <= InBeta;
   endtask
 
 endmodule

@@ -11,7 +11,7 @@
 `default_nettype none
 
 module stop_test #(
-    parameter int DotBits = 59,
+    parameter int SquareBits = 59,  // of both sums
     parameter int ExponentBits = 22
 ) (
     input wire clock,
@@ -20,14 +20,15 @@ module stop_test #(
     input wire signed [11:0] tolerance_exponent,
     input wire [4:0] static_shift,
     input wire take_rhs,                           // b.b is there
-    input wire [DotBits-1:0] squares,
+    input wire [SquareBits-1:0] rhs_squares,
     input wire take_residual,                      // r.r is there
-    input wire [DotBits-1:0] dot,
+    input wire [SquareBits-1:0] squares,
     input wire signed [ExponentBits-1:0] r_exponent,
     output logic reached
 );
 
   localparam int E = ExponentBits;
+  localparam int W = SquareBits > 64 ? SquareBits : 64;
   localparam int Mantissa = 53;
   localparam int Digit = 8;  // bits of the multiplier a clock
   localparam int Digits = (Mantissa + Digit - 1) / Digit;
@@ -44,22 +45,22 @@ module stop_test #(
   state_t state;
 
   // ---- What is to be rounded: b.b, or r.r, which may come while the right-hand side is made.
-  logic [63:0] value;
+  logic [W-1:0] value;
   logic of_rhs, waits;
-  logic [DotBits-1:0] waiting;
+  logic [SquareBits-1:0] waiting;
   logic signed [E-1:0] waiting_exponent, exponent;
   logic [6:0] length;
   always_comb begin
     length = '0;
-    for (int i = 0; i < 64; ++i) if (value[i]) length = 7'(i + 1);
+    for (int i = 0; i < W; ++i) if (value[i]) length = 7'(i + 1);
   end
   logic [6:0] length_now;
-  wire [6:0] left = 7'd64 - length_now;
+  wire [6:0] left = 7'(W) - length_now;
 
   // The highest 53 bits of a magnitude whose highest bit is set, and what becomes of the others.
-  wire [Mantissa-1:0] kept = value[63-:Mantissa];
-  wire half = value[63-Mantissa];
-  wire rest = |value[62-Mantissa:0];
+  wire [Mantissa-1:0] kept = value[W-1-:Mantissa];
+  wire half = value[W-1-Mantissa];
+  wire rest = |value[W-2-Mantissa:0];
   wire [Mantissa:0] rounded = {1'b0, kept} + (Mantissa + 1)'(half && (rest || kept[0]));
 
   // ---- The product with t^2, eight bits of it a clock, and its rounding.
@@ -84,7 +85,7 @@ module stop_test #(
     case (state)
       Wait:
       if (waits) begin
-        value <= 64'(waiting);
+        value <= W'(waiting);
         exponent <= waiting_exponent;
         of_rhs <= 1'b0;
         waits <= 1'b0;
@@ -96,7 +97,7 @@ module stop_test #(
         state <= Align;
       end
       Align: begin
-        value <= value << left[5:0];
+        value <= value << left;
         exponent <= exponent + E'(length_now) - E'(Mantissa);
         state <= Round;
       end
@@ -130,23 +131,23 @@ module stop_test #(
       default: state <= Wait;
     endcase
     if (take_rhs) begin
-      value <= 64'(squares);
+      value <= W'(rhs_squares);
       exponent <= '0;
       of_rhs <= 1'b1;
       state <= Measure;
     end
     if (take_residual) begin
-      waiting <= dot;
+      waiting <= squares;
       waiting_exponent <= -(r_exponent <<< 1);
       waits <= 1'b1;
-      reached <= dot == '0;  // an engine without nodes is asked before there is an answer
+      reached <= squares == '0;  // an engine without nodes is asked before there is an answer
     end
     if (reset) begin
       state <= Wait;
       waits <= 1'b0;
     end
   end
-  wire unused = &{1'b0, left[6], product[2*Mantissa+Digit-1:2*Mantissa]};
+  wire unused = &{1'b0, product[2*Mantissa+Digit-1:2*Mantissa]};
 
 endmodule
 

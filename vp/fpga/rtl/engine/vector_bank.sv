@@ -1,12 +1,14 @@
-// The memories of one component of a lane: x, r, b, q and the x before, each with a read and a write
-// port. A node is in lane node mod Lanes, at address node / Lanes (engine::VectorMemories).
+// The memories of one component of a lane: x, r, b, q, the x before and with a preconditioner z and
+// P^-1, each with a read and a write port. A node is in lane node mod Lanes, at address node / Lanes (engine::VectorMemories).
 //
 // Words come two clocks behind the edge at which an address is seen. The host writes x and b and
 // reads x while no pass runs.
 `default_nettype none
 
 module vector_bank #(
+    parameter bit Preconditioner = 1'b0,
     parameter int VectorBits = 16,
+    parameter int ResidualBits = 16,
     parameter int ProductBits = 32,
     parameter int AddressBits = 9
 ) (
@@ -14,24 +16,33 @@ module vector_bank #(
     input wire [AddressBits-1:0] read_address,
     input wire [AddressBits-1:0] b_read_address,  // a product reads b beside the rows
     output wire [VectorBits-1:0] x,
-    output wire [VectorBits-1:0] r,
-    output wire [VectorBits-1:0] b,
+    output wire [ResidualBits-1:0] r,
+    output wire [ResidualBits-1:0] b,
     output wire [VectorBits-1:0] previous,
     output wire [ProductBits-1:0] q,
+    output wire [ResidualBits-1:0] z,
     input wire x_write,
     input wire r_write,
     input wire [AddressBits-1:0] write_address,
     input wire [VectorBits-1:0] x_new,
-    input wire [VectorBits-1:0] r_new,
+    input wire [ResidualBits-1:0] r_new,
     input wire previous_write,  // of the x that was read: the address is of that rank
     input wire [AddressBits-1:0] previous_address,
     input wire q_write,
     input wire [AddressBits-1:0] q_address,
     input wire [ProductBits-1:0] q_new,
+    input wire z_write,
+    input wire [AddressBits-1:0] z_address,
+    input wire [ResidualBits-1:0] z_new,
+    input wire [AddressBits-1:0] inverse_read_address,
+    output wire [ResidualBits-2:0] inverse,
+    input wire inverse_write,
+    input wire [AddressBits-1:0] inverse_address,
+    input wire [ResidualBits-2:0] inverse_new,
     input wire host_x_write,
     input wire host_b_write,
     input wire [AddressBits-1:0] host_address,
-    input wire [VectorBits-1:0] host_word
+    input wire [ResidualBits-1:0] host_word  // of x the lowest bits
 );
 
   block_memory #(
@@ -41,12 +52,12 @@ module vector_bank #(
       .clock,
       .write(x_write || host_x_write),
       .write_address(host_x_write ? host_address : write_address),
-      .write_word(host_x_write ? host_word : x_new),
+      .write_word(host_x_write ? host_word[VectorBits-1:0] : x_new),
       .read_address,
       .word(x)
   );
   block_memory #(
-      .Width(VectorBits),
+      .Width(ResidualBits),
       .AddressBits(AddressBits)
   ) r_memory (
       .clock,
@@ -57,7 +68,7 @@ module vector_bank #(
       .word(r)
   );
   block_memory #(
-      .Width(VectorBits),
+      .Width(ResidualBits),
       .AddressBits(AddressBits)
   ) b_memory (
       .clock,
@@ -89,6 +100,35 @@ module vector_bank #(
       .read_address,
       .word(q)
   );
+  if (Preconditioner) begin : g_preconditioner
+    block_memory #(
+        .Width(ResidualBits),
+        .AddressBits(AddressBits)
+    ) z_memory (
+        .clock,
+        .write(z_write),
+        .write_address(z_address),
+        .write_word(z_new),
+        .read_address,
+        .word(z)
+    );
+    block_memory #(
+        .Width(ResidualBits - 1),
+        .AddressBits(AddressBits)
+    ) inverse_memory (
+        .clock,
+        .write(inverse_write),
+        .write_address(inverse_address),
+        .write_word(inverse_new),
+        .read_address(inverse_read_address),
+        .word(inverse)
+    );
+  end else begin : g_z_is_r
+    assign z = r;
+    assign inverse = '0;
+    wire unused = &{1'b0, z_write, z_address, z_new, inverse_read_address, inverse_write,
+                    inverse_address, inverse_new};
+  end
 
 endmodule
 

@@ -6,7 +6,10 @@
 module vector_component
   import engine_types::*;
 #(
+    parameter bit Preconditioner = 1'b0,
     parameter int VectorBits = 16,
+    parameter int ResidualBits = 16,
+    parameter int DirectionBits = 16,
     parameter int ProductBits = 32,
     parameter int CoefficientBits = 16,
     parameter int StaticBits = 4,
@@ -26,9 +29,11 @@ module vector_component
     input wire rounding_t rounding,
     input wire [StaticBits-1:0] static_shift,
     input wire [CoefficientBits-2:0] coefficient,
-    input wire [5:0] right_d,
-    input wire [5:0] right_q,
-    input wire [5:0] right_r,
+    input wire wide,  // the preconditioner works
+    input wire [5:0] inverse_shift,
+    input wire [6:0] right_d,
+    input wire [6:0] right_q,
+    input wire [6:0] right_r,
     input wire beyond_d,
     input wire beyond_q,
     input wire beyond_r,
@@ -41,10 +46,17 @@ module vector_component
     input wire [AddressBits-1:0] previous_address,
     input wire q_write,
     input wire [AddressBits-1:0] q_address,
+    input wire z_write,  // rank 18
+    input wire [AddressBits-1:0] z_address,
+    input wire [AddressBits-1:0] inverse_read_address,
+    output wire [ResidualBits-2:0] inverse,
+    input wire inverse_write,
+    input wire [AddressBits-1:0] inverse_address,
+    input wire [ResidualBits-2:0] inverse_new,
     input wire host_x_write,
     input wire host_b_write,
     input wire [AddressBits-1:0] host_address,
-    input wire [VectorBits-1:0] host_word,
+    input wire [ResidualBits-1:0] host_word,
     output wire [VectorBits-1:0] x,
     // Rank 2: of the copies of d, or the word at a row's own node; a row's sum is two ranks earlier.
     input wire [VectorBits-1:0] d,
@@ -56,25 +68,33 @@ module vector_component
     output wire [DifferenceBits-1:0] difference4,
     output wire [ProductBits+VectorBits-1:0] q_d6,
     output wire [VectorBits-1:0] sum_word11,
-    output wire [VectorBits-1:0] r_word11,
+    output wire [ResidualBits-1:0] r_word11,
     output wire sum_clamped11,
     output wire r_clamped11,
-    output wire [2*VectorBits-3:0] square14,
+    output wire [2*ResidualBits-3:0] square,  // rank 14, with a preconditioner 15
+    output wire [ResidualBits-2:0] z_size18,
+    output wire [2*ResidualBits-3:0] z_r21,
     output logic [VectorBits-1:0] direction_new  // with the edge that writes the others
 );
 
   localparam int V = VectorBits;
+  localparam int R = ResidualBits;
   localparam int Q = ProductBits;
   localparam int Written = PhaseClocks - 5;
   localparam int RowWritten = PhaseClocks - 11;
 
-  wire [V-1:0] r, b, previous, old_d11;
+  wire [V-1:0] previous, old_d11;
+  wire [R-1:0] r, b, z, z18;
   wire [Q-1:0] q, q_written;
-  wire [V-1:0] late_sum, late_r, late_d;
+  wire [V-1:0] late_sum, late_d;
+  wire [R-1:0] late_r;
+  wire makes_d = pass == FirstDirection || pass == Direction;
   wire clears = pass == Residual && zero;
 
   vector_bank #(
+      .Preconditioner(Preconditioner),
       .VectorBits(V),
+      .ResidualBits(R),
       .ProductBits(Q),
       .AddressBits(AddressBits)
   ) bank (
@@ -86,6 +106,7 @@ module vector_component
       .b(b),
       .previous(previous),
       .q(q),
+      .z(z),
       .x_write(written && (pass == Update || pass == Guess || clears ||
                            (pass == Residual && exchange))),
       .r_write(written && (pass == Residual || (pass == Update && !exchange))),
@@ -97,6 +118,14 @@ module vector_component
       .q_write,
       .q_address,
       .q_new(q_written),
+      .z_write,
+      .z_address,
+      .z_new(z18),
+      .inverse_read_address,
+      .inverse,
+      .inverse_write,
+      .inverse_address,
+      .inverse_new,
       .host_x_write,
       .host_b_write,
       .host_address,
@@ -118,6 +147,8 @@ module vector_component
   );
   vector_lane #(
       .VectorBits(V),
+      .ResidualBits(R),
+      .DirectionBits(DirectionBits),
       .ProductBits(Q),
       .CoefficientBits(CoefficientBits),
       .StaticBits(StaticBits),
@@ -130,6 +161,7 @@ module vector_component
       .rounding,
       .static_shift,
       .coefficient,
+      .wide,
       .right_d,
       .right_q,
       .right_r,
@@ -139,7 +171,7 @@ module vector_component
       .x(x),
       .previous(previous),
       .d(d),
-      .r(r),
+      .r(Preconditioner && wide && makes_d ? z : r),
       .b(b),
       .q(pass == Product ? q2 : q),
       .b_clamped(b_clamped3),
@@ -150,10 +182,29 @@ module vector_component
       .old_d(old_d11),
       .sum_clamped(sum_clamped11),
       .r_clamped(r_clamped11),
-      .square(square14)
+      .square
   );
+  if (Preconditioner) begin : g_preconditioner
+    preconditioner_lane #(
+        .Bits(R)
+    ) preconditioner (
+        .clock,
+        .rounding,
+        .shift(inverse_shift),
+        .r(r_word11),
+        .inverse,
+        .z(z18),
+        .z_size(z_size18),
+        .z_r(z_r21)
+    );
+  end else begin : g_z_is_r
+    assign z18 = '0;
+    assign z_size18 = '0;
+    assign z_r21 = '0;
+    wire unused = &{1'b0, inverse_shift};
+  end
 
-  logic [3*V-1:0] late[12:Written-1];
+  logic [2*V+R-1:0] late[12:Written-1];
   always_ff @(posedge clock) begin
     late[12] <= {sum_word11, r_word11, old_d11};
     for (int i = 13; i < Written; ++i) late[i] <= late[i-1];

@@ -1,6 +1,5 @@
 // What the vector unit finds out about the words of a pass: the exact inner products, the largest
-// magnitudes, and how many words were clamped (engine::VectorStatus). For plain CG: the inner
-// product is d.q in a product and r.r where r is formed.
+// magnitudes, and how many words were clamped (engine::VectorStatus). Without a preconditioner z is r.
 //
 // Inputs have the ranks of vector_lane.sv; each validity is that of its inputs' rank.
 `default_nettype none
@@ -8,11 +7,14 @@
 module vector_sums
   import engine_types::*;
 #(
+    parameter bit Preconditioner = 1'b0,
     parameter int Lanes = 2,
     parameter int VectorBits = 16,
+    parameter int ResidualBits = 16,
     parameter int ProductBits = 32,
     parameter int DifferenceBits = 33,
-    parameter int DotBits = 60
+    parameter int DotBits = 60,
+    parameter int SquareBits = 60
 ) (
     input wire clock,
     input wire start,  // of a pass: what it finds is cleared
@@ -22,10 +24,11 @@ module vector_sums
     input wire compare,
     input wire exchange,
     input wire counts_b,  // clamped words of b are counted
+    input wire wide,      // the preconditioner works
     // Rows.
     input wire [Lanes-1:0] rows2,
     input wire [Lanes-1:0] rows4,
-    input wire [Lanes-1:0] rows5,
+    input wire [Lanes-1:0] square_rows,
     input wire [Lanes-1:0] rows6,
     input wire [Lanes-1:0][2:0][ProductBits-1:0] q2,
     input wire [Lanes-1:0][2:0] q_clamped2,
@@ -34,16 +37,22 @@ module vector_sums
     // Groups of nodes.
     input wire [Lanes-1:0] nodes3,
     input wire [Lanes-1:0] nodes11,
-    input wire [Lanes-1:0] nodes14,
+    input wire [Lanes-1:0] square_nodes,
+    input wire [Lanes-1:0] nodes18,
+    input wire [Lanes-1:0] nodes21,
     input wire [Lanes-1:0][2:0] b_clamped3,
     input wire [Lanes-1:0][2:0][VectorBits-1:0] sum_word11,
-    input wire [Lanes-1:0][2:0][VectorBits-1:0] r_word11,
+    input wire [Lanes-1:0][2:0][ResidualBits-1:0] r_word11,
     input wire [Lanes-1:0][2:0] sum_clamped11,
     input wire [Lanes-1:0][2:0] r_clamped11,
-    input wire [Lanes-1:0][2:0][2*VectorBits-3:0] square14,  // of a row's b at rank 5
-    output logic signed [DotBits-1:0] dot,
-    output logic [DotBits-1:0] squares,  // b.b of a product
-    output logic [VectorBits-2:0] largest_r,
+    input wire [Lanes-1:0][2:0][2*ResidualBits-3:0] square,  // of r, or of a row's b
+    input wire [Lanes-1:0][2:0][ResidualBits-2:0] z_size18,
+    input wire [Lanes-1:0][2:0][2*ResidualBits-3:0] z_r21,
+    output logic signed [DotBits-1:0] dot,   // d.q of a product
+    output logic [SquareBits-1:0] squares,   // b.b of a product, or r.r
+    output wire [SquareBits-1:0] z_dot_r,
+    output logic [ResidualBits-2:0] largest_r,
+    output wire [ResidualBits-2:0] largest_z,
     output logic [VectorBits-2:0] largest_d,
     output logic [ProductBits-2:0] largest_q,
     output logic [DifferenceBits-1:0] widest,  // as long as the largest |b - q|
@@ -51,6 +60,7 @@ module vector_sums
 );
 
   localparam int V = VectorBits;
+  localparam int R = ResidualBits;
   localparam int Q = ProductBits;
   localparam int CountBits = $clog2(9 * Lanes + 1);
 
@@ -61,13 +71,17 @@ module vector_sums
   function automatic logic [V-2:0] size(input logic [V-1:0] word);
     return word[V-1] ? (V - 1)'(-word) : word[V-2:0];
   endfunction
+  function automatic logic [R-2:0] r_size(input logic [R-1:0] word);
+    return word[R-1] ? (R - 1)'(-word) : word[R-2:0];
+  endfunction
   function automatic logic [Q-2:0] q_size(input logic [Q-1:0] word);
     return word[Q-1] ? (Q - 1)'(-word) : word[Q-2:0];
   endfunction
 
   logic signed [Q+V+2:0] q_d_sum, q_d_sum7;
-  logic [2*V+2:0] square_sum, square_sum15;
-  logic [V-2:0] most_r, most_d;
+  logic [2*R+2:0] square_sum, square_sum_late;
+  logic [R-2:0] most_r;
+  logic [V-2:0] most_d;
   logic [Q-2:0] most_q;
   logic [DifferenceBits-1:0] bits_of_difference;
   logic [CountBits-1:0] clamps, clamps_now;
@@ -83,7 +97,9 @@ module vector_sums
     for (int l = 0; l < Lanes; ++l) begin
       for (int c = 0; c < 3; ++c) begin
         if (rows6[l]) q_d_sum = q_d_sum + (Q + V + 3)'($signed(q_d6[l][c]));
-        if (nodes14[l] || (rows5[l] && compare)) square_sum = square_sum + (2 * V + 3)'(square14[l][c]);
+        if (square_nodes[l] || (square_rows[l] && compare)) begin
+          square_sum = square_sum + (2 * R + 3)'(square[l][c]);
+        end
         if (rows2[l] && !hold) begin
           if (q_size(q2[l][c]) > most_q) most_q = q_size(q2[l][c]);
           clamps = clamps + CountBits'(q_clamped2[l][c]);
@@ -91,7 +107,7 @@ module vector_sums
         if (rows4[l] && compare) bits_of_difference = bits_of_difference | difference4[l][c];
         if (nodes3[l] && counts_b) clamps = clamps + CountBits'(b_clamped3[l][c]);
         if (nodes11[l] && !hold) begin
-          if (makes_r && size(r_word11[l][c]) > most_r) most_r = size(r_word11[l][c]);
+          if (makes_r && r_size(r_word11[l][c]) > most_r) most_r = r_size(r_word11[l][c]);
           if (makes_d && size(sum_word11[l][c]) > most_d) most_d = size(sum_word11[l][c]);
           if (makes_r) clamps = clamps + CountBits'(r_clamped11[l][c]);
           if (counts_sum) clamps = clamps + CountBits'(sum_clamped11[l][c]);
@@ -102,10 +118,9 @@ module vector_sums
 
   always_ff @(posedge clock) begin
     q_d_sum7 <= q_d_sum;
-    square_sum15 <= square_sum;
+    square_sum_late <= square_sum;
     if (pass == Product) dot <= dot + DotBits'(q_d_sum7);
-    else if (makes_r) dot <= dot + DotBits'(square_sum15);
-    if (pass == Product) squares <= squares + DotBits'(square_sum15);
+    if (pass == Product || makes_r) squares <= squares + SquareBits'(square_sum_late);
     largest_r <= most_r;
     largest_d <= most_d;
     largest_q <= most_q;
@@ -114,9 +129,11 @@ module vector_sums
     clamped <= clamped + 32'(clamps_now);
     if (start) begin
       dot <= '0;
-      squares <= '0;
       q_d_sum7 <= '0;
-      square_sum15 <= '0;
+      if (pass == Product || pass == Residual || pass == Update) begin
+        squares <= '0;
+        square_sum_late <= '0;
+      end
       widest <= '0;
       case (pass)
         Residual, Update: largest_r <= '0;
@@ -129,6 +146,39 @@ module vector_sums
       clamped <= '0;
       clamps_now <= '0;
     end
+  end
+
+  // ---- Of z, whose ranks go on beyond the end of the pass.
+  if (Preconditioner) begin : g_preconditioner
+    logic [R-2:0] most_z, largest;
+    logic [2*R+2:0] z_r_sum, z_r_sum_late;
+    logic [SquareBits-1:0] sum;
+    always_comb begin
+      most_z = largest;
+      z_r_sum = '0;
+      for (int l = 0; l < Lanes; ++l) begin
+        for (int c = 0; c < 3; ++c) begin
+          if (nodes18[l] && z_size18[l][c] > most_z) most_z = z_size18[l][c];
+          if (nodes21[l]) z_r_sum = z_r_sum + (2 * R + 3)'(z_r21[l][c]);
+        end
+      end
+    end
+    always_ff @(posedge clock) begin
+      largest <= most_z;
+      z_r_sum_late <= z_r_sum;
+      sum <= sum + SquareBits'(z_r_sum_late);
+      if (start && (pass == Residual || pass == Update)) begin
+        largest <= '0;
+        z_r_sum_late <= '0;
+        sum <= '0;
+      end
+    end
+    assign largest_z = wide ? largest : largest_r;
+    assign z_dot_r = wide ? sum : squares;
+  end else begin : g_z_is_r
+    assign largest_z = largest_r;
+    assign z_dot_r = squares;
+    wire unused = &{1'b0, wide, nodes18, nodes21, z_size18, z_r21};
   end
 
 endmodule

@@ -1,7 +1,8 @@
-// The vector unit of plain CG: Lanes nodes a clock through the passes of the sequencer, and the rows
+// The vector unit: Lanes nodes a clock through the passes of the sequencer, and the rows
 // that the partitions finish (engine::VectorUnit). Its ranks are those of vector_lane.sv; words are
 // written at rank PhaseClocks - 5 and the pass is over when the last group's rank is PhaseClocks - 1,
-// a row's VectorClocks - 1 edges after it was taken.
+// a row's VectorClocks - 1 edges after it was taken. With a preconditioner the words of z and z.r
+// follow, up to rank 23.
 //
 // A bank of d has DirectionAccesses a clock. Writes come first; a group that has no accesses left to
 // be read with waits.
@@ -10,9 +11,12 @@
 module vector_unit
   import engine_types::*;
 #(
+    parameter bit Preconditioner = 1'b0,
     parameter int Lanes = 2,
     parameter int Partitions = 5,
     parameter int VectorBits = 16,
+    parameter int ResidualBits = 16,
+    parameter int DirectionBits = 16,
     parameter int ProductBits = 32,
     parameter int CoefficientBits = 16,
     parameter int StaticBits = 4,
@@ -21,6 +25,7 @@ module vector_unit
     parameter int NodeBits = 10,
     parameter int QueueBits = 4,
     parameter int DotBits = 60,
+    parameter int SquareBits = 60,
     parameter int PhaseClocks = 20,
     parameter int DirectionBanks = 1,
     parameter int DirectionAccesses = 4,
@@ -40,7 +45,7 @@ module vector_unit
     input wire host_b_write,
     input wire [NodeBits-1:0] host_node,
     input wire [1:0] host_component,
-    input wire [VectorBits-1:0] host_word,
+    input wire [ResidualBits-1:0] host_word,
     output wire [VectorBits-1:0] host_x,  // three clocks behind the address
     // From the sequencer; what follows `start` holds still while the pass runs.
     input wire start,
@@ -52,9 +57,11 @@ module vector_unit
     input wire alone,
     input wire exchange,
     input wire [CoefficientBits-2:0] coefficient,
-    input wire [5:0] right_d,
-    input wire [5:0] right_q,
-    input wire [5:0] right_r,
+    input wire wide,  // the preconditioner works
+    input wire [5:0] inverse_shift,
+    input wire [6:0] right_d,
+    input wire [6:0] right_q,
+    input wire [6:0] right_r,
     input wire beyond_d,
     input wire beyond_q,
     input wire beyond_r,
@@ -62,12 +69,21 @@ module vector_unit
     // To the sequencer.
     output logic done,
     output wire signed [DotBits-1:0] dot,
-    output wire [DotBits-1:0] squares,
-    output wire [VectorBits-2:0] largest_r,
+    output wire [SquareBits-1:0] squares,
+    output wire [SquareBits-1:0] z_dot_r,
+    output wire [ResidualBits-2:0] largest_r,
+    output wire [ResidualBits-2:0] largest_z,
     output wire [VectorBits-2:0] largest_d,
     output wire [ProductBits-2:0] largest_q,
     output wire [DifferenceBits-1:0] widest,
     output wire [31:0] clamped,
+    // P^-1, while no pass needs it: its words come two clocks behind the address.
+    input wire inverts,
+    input wire [NodeBits-1:0] inverse_node,
+    input wire [1:0] inverse_component,
+    input wire inverse_write,
+    input wire [ResidualBits-2:0] inverse_new,
+    output wire [ResidualBits-2:0] inverse_word,
     // The partitions.
     output wire product,  // a product runs
     input wire [Partitions-1:0][QueueBits:0] finished,
@@ -83,7 +99,10 @@ module vector_unit
 );
 
   localparam int V = VectorBits;
+  localparam int R = ResidualBits;
   localparam int Q = ProductBits;
+  localparam int Square = Preconditioner ? 15 : 14;  // ranks
+  localparam int Last = PhaseClocks < 20 ? 18 : PhaseClocks - 2;
   localparam int Written = PhaseClocks - 5;
   localparam int VectorClocks = PhaseClocks - 9;
   localparam int RowWritten = VectorClocks - 2;  // the rank before the edge that writes q
@@ -101,8 +120,8 @@ module vector_unit
   end
 
   // Ranks: the group's first node, and which lanes have a node.
-  logic [NodeBits-1:0] node[PhaseClocks-1];
-  logic [Lanes-1:0] valid[PhaseClocks-1];
+  logic [NodeBits-1:0] node[Last+1];
+  logic [Lanes-1:0] valid[Last+1];
 
   // A bank's nodes of the group that wants to enter, and of the one that is written.
   wire writes_d = pass == Copy || pass == Guess || pass == FirstDirection || pass == Direction ||
@@ -122,11 +141,19 @@ module vector_unit
   always_ff @(posedge clock) begin
     node[0] <= entering[NodeBits-1:0];
     valid[0] <= enters;
-    for (int i = 1; i < PhaseClocks - 1; ++i) begin
+    for (int i = 1; i <= Last; ++i) begin
       node[i] <= node[i-1];
       valid[i] <= start || reset ? '0 : valid[i-1];
     end
     if (reset) valid[0] <= '0;
+  end
+
+  // Of nodes that have an r: their z is still on its way when the next pass begins.
+  logic [Lanes-1:0] with_z[12:21];
+  wire makes_z = wide && !hold && (pass == Residual || (pass == Update && !exchange));
+  always_ff @(posedge clock) begin
+    with_z[12] <= makes_z && !reset ? valid[11] : '0;
+    for (int i = 13; i <= 21; ++i) with_z[i] <= reset ? '0 : with_z[i-1];
   end
 
   // ---- Rows.
@@ -172,24 +199,31 @@ module vector_unit
   // ---- Lanes.
   localparam int LaneBits = Lanes > 1 ? BankBits : 1;
   wire [LaneBits-1:0] host_lane = Lanes > 1 ? host_node[LaneBits-1:0] : '0;
+  wire [LaneBits-1:0] inverse_lane = Lanes > 1 ? inverse_node[LaneBits-1:0] : '0;
   wire is_product = pass == Product;
   wire [Lanes-1:0][2:0][Q-1:0] q2;
   wire [Lanes-1:0][2:0] q_clamped2, b_clamped3, sum_clamped11, r_clamped11;
   wire [Lanes-1:0][2:0][DifferenceBits-1:0] difference4;
   wire [Lanes-1:0][2:0][Q+V-1:0] q_d6;
-  wire [Lanes-1:0][2:0][V-1:0] sum_word11, r_word11;
-  wire [Lanes-1:0][2:0][2*V-3:0] square14;
+  wire [Lanes-1:0][2:0][V-1:0] sum_word11;
+  wire [Lanes-1:0][2:0][R-1:0] r_word11;
+  wire [Lanes-1:0][2:0][2*R-3:0] square, z_r21;
+  wire [Lanes-1:0][2:0][R-2:0] z_size18, inverse;
   wire [Lanes-1:0][2:0][V-1:0] x_read;
 
   for (genvar l = 0; l < Lanes; ++l) begin : g_lane
     wire [AddressBits-1:0] read_row = node[0][NodeBits-1:BankBits];
     wire [AddressBits-1:0] host_row = host_node[NodeBits-1:BankBits];
+    wire [AddressBits-1:0] inverse_row = inverse_node[NodeBits-1:BankBits];
     wire host_here = host_lane == LaneBits'(l);
     wire written = valid[Written-1][l] && !hold && !reset;
     for (genvar c = 0; c < 3; ++c) begin : g_component
       wire host_component_here = host_here && host_component == 2'(c);
       vector_component #(
+          .Preconditioner(Preconditioner),
           .VectorBits(V),
+          .ResidualBits(R),
+          .DirectionBits(DirectionBits),
           .ProductBits(Q),
           .CoefficientBits(CoefficientBits),
           .StaticBits(StaticBits),
@@ -206,6 +240,8 @@ module vector_unit
           .rounding,
           .static_shift,
           .coefficient,
+          .wide,
+          .inverse_shift,
           .right_d,
           .right_q,
           .right_r,
@@ -220,6 +256,14 @@ module vector_unit
           .previous_address(node[2][NodeBits-1:BankBits]),
           .q_write(rows[RowWritten][l] && !hold && !reset),
           .q_address(row_nodes[RowWritten][l][NodeBits-1:BankBits]),
+          .z_write(with_z[18][l]),
+          .z_address(node[18][NodeBits-1:BankBits]),
+          .inverse_read_address(inverts ? inverse_row : node[10][NodeBits-1:BankBits]),
+          .inverse(inverse[l][c]),
+          .inverse_write(inverse_write && inverse_lane == LaneBits'(l) &&
+                         inverse_component == 2'(c)),
+          .inverse_address(inverse_row),
+          .inverse_new,
           .host_x_write(host_x_write && host_component_here),
           .host_b_write(host_b_write && host_component_here),
           .host_address(host_row),
@@ -236,7 +280,9 @@ module vector_unit
           .r_word11(r_word11[l][c]),
           .sum_clamped11(sum_clamped11[l][c]),
           .r_clamped11(r_clamped11[l][c]),
-          .square14(square14[l][c]),
+          .square(square[l][c]),
+          .z_size18(z_size18[l][c]),
+          .z_r21(z_r21[l][c]),
           .direction_new(direction_new[l][c])
       );
     end
@@ -247,24 +293,33 @@ module vector_unit
 
   // The host's word of x.
   logic [V-1:0] selected;
+  logic [R-2:0] selected_inverse;
   always_comb begin
     selected = '0;
+    selected_inverse = '0;
     for (int l = 0; l < Lanes; ++l) begin
       for (int c = 0; c < 3; ++c) begin
         if (host_lane == LaneBits'(l) && host_component == 2'(c)) begin
           selected = x_read[l][c];
         end
+        if (inverse_lane == LaneBits'(l) && inverse_component == 2'(c)) begin
+          selected_inverse = inverse[l][c];
+        end
       end
     end
   end
   assign host_x = selected;
+  assign inverse_word = selected_inverse;
 
   vector_sums #(
+      .Preconditioner(Preconditioner),
       .Lanes(Lanes),
       .VectorBits(V),
+      .ResidualBits(R),
       .ProductBits(Q),
       .DifferenceBits(DifferenceBits),
-      .DotBits(DotBits)
+      .DotBits(DotBits),
+      .SquareBits(SquareBits)
   ) sums (
       .clock,
       .start,
@@ -274,9 +329,10 @@ module vector_unit
       .compare,
       .exchange,
       .counts_b(pass == Residual && first && !hold),
+      .wide,
       .rows2(rows[2]),
       .rows4(rows[4]),
-      .rows5(rows[5]),
+      .square_rows(rows[Square-9]),
       .rows6(rows[6]),
       .q2,
       .q_clamped2,
@@ -284,16 +340,22 @@ module vector_unit
       .q_d6,
       .nodes3(valid[3]),
       .nodes11(valid[11]),
-      .nodes14(valid[14]),
+      .square_nodes(valid[Square]),
+      .nodes18(with_z[18]),
+      .nodes21(with_z[21]),
       .b_clamped3,
       .sum_word11,
       .r_word11,
       .sum_clamped11,
       .r_clamped11,
-      .square14,
+      .square,
+      .z_size18,
+      .z_r21,
       .dot,
       .squares,
+      .z_dot_r,
       .largest_r,
+      .largest_z,
       .largest_d,
       .largest_q,
       .widest,

@@ -1,0 +1,264 @@
+"""What the tests of the RTL engine come to in it: its lines, and what can happen at a clock.
+
+    python tests/rtl/covered.py --build build/release
+
+Translates the engine once more, in the sizes of the build, so that it counts how often each block
+and each branch of its SystemVerilog is run (verilator --coverage-line), and what
+coverage/observed.sv names; then runs the tests of whole engines. A block counts once, however many
+sizes and copies of it there are. Exit status 1 where fewer than 95 % of them are run, where one
+that is not has no reason in unreached.toml, or where something that can happen has not.
+"""
+
+import argparse
+import os
+import subprocess
+import sys
+import tomllib
+from collections import Counter
+from dataclasses import dataclass
+from pathlib import Path
+
+from translation import (
+    ENGINE,
+    NotBuiltError,
+    Variant,
+    build_program,
+    engine_sources,
+    translations,
+)
+
+HERE = Path(__file__).resolve().parent
+OBSERVED = HERE / "coverage/observed.sv"
+REASONS = HERE / "unreached.toml"
+WANTED = 0.95
+# engine_types.sv, state_t and pass_t.
+STATES = [
+    "idle",
+    "copy",
+    "guess",
+    "start_product",
+    "start_residual",
+    "first_direction",
+    "product",
+    "alpha",
+    "update",
+    "anew_product",
+    "anew_residual",
+    "beta",
+    "direction",
+]
+PASSES = [
+    "none",
+    "copy",
+    "guess",
+    "product",
+    "residual",
+    "first_direction",
+    "update",
+    "direction",
+]
+PRODUCT = PASSES.index("product")
+# What has to have happened, with each of its numbers.
+NEEDED = {
+    # Not in a copy of x, which the program runs to its end at once.
+    "abort in state": range(STATES.index("guess"), len(STATES)),
+    "copy of x": (0,),
+    "edit that restores": (0, 1),
+    "end by the stop test": (0, 1),
+    "end on hold": (0, 1),
+    "end with a breakdown": (0, 1),
+    "end with residuals formed anew": (0, 1),
+    "end with words clamped": (0, 1),
+    "extrapolated with a solution before": (0, 1),
+    "dynamic scaling": (0, 1),
+    "iteration": (0,),
+    "product of an empty partition": (0,),
+    "rounding of divisions": (0, 1, 2),
+    "rounding of shifts": (0, 1, 2),
+    "scaling step": (1, 2, 3),
+    "solve of nodes, 3 or more": (0, 1, 2, 3),
+    "start from zero": (0, 1),
+}
+
+
+@dataclass(frozen=True)
+class Block:
+    """A place that Verilator counts."""
+
+    file: str
+    line: int
+    kind: str  # block, if, else, case …
+    column: int
+
+
+def read_lines(path: Path, counts: Counter[Block]) -> None:
+    """Adds the counts of a file that Verilator wrote; control characters part keys and values."""
+    for record in path.read_text().splitlines():
+        if not record.startswith("C '"):
+            continue
+        keys, _, count = record[3:].rpartition("' ")
+        fields = dict(part.split("\x02", 1) for part in keys.split("\x01") if "\x02" in part)
+        file = Path(fields["f"])
+        if file.parent == ENGINE:
+            block = Block(file.name, int(fields["l"]), fields["o"], int(fields["n"]))
+            counts[block] += int(count)
+
+
+@dataclass
+class Seen:
+    """What runs have come to."""
+
+    blocks: Counter[Block]
+    events: Counter[tuple[str, int]]
+    # By pass, whether a package waits, the rows that wait, and how many have room.
+    partitions: Counter[tuple[int, int, int, int]]
+
+    def read(self, lines: Path, counts: Path) -> None:
+        read_lines(lines, self.blocks)
+        for row in counts.read_text().splitlines():
+            kind, *rest = row.split("\t")
+            if kind == "event":
+                self.events[(rest[0], int(rest[1]))] += int(rest[2])
+            else:
+                of_pass, waits, rows, depth, count = map(int, rest)
+                self.partitions[(of_pass, waits, rows, depth)] += count
+
+
+def tests_of(program: Path) -> list[str]:
+    """Each in a process of its own, since SystemC elaborates once in one."""
+    listed = subprocess.run(
+        [str(program), "--gtest_list_tests", "--gtest_filter=Engine/*:RtlEngine.Agrees*"],
+        check=True,
+        capture_output=True,
+        text=True,
+    ).stdout
+    tests, suite = [], ""
+    for line in listed.splitlines():
+        if line.startswith("  "):
+            tests.append(suite + line.split("#")[0].strip())
+        elif line.endswith(".") or ". " in line:
+            suite = line.split("#")[0].strip()
+    return tests
+
+
+def run(program: Path, folder: Path) -> Seen | None:
+    seen = Seen(Counter(), Counter(), Counter())
+    for test in tests_of(program):
+        lines, counts = folder / "lines.dat", folder / "counts.txt"
+        environment = {**os.environ, "HVP_LINES": str(lines), "HVP_COUNTS": str(counts)}
+        done = subprocess.run(
+            [str(program), f"--gtest_filter={test}"],
+            check=False,
+            capture_output=True,
+            text=True,
+            env=environment,
+        )
+        if done.returncode != 0:
+            print(f"{test} fails:\n{done.stdout[-2000:]}", file=sys.stderr)
+            return None
+        print(f"ran {test}", flush=True)
+        seen.read(lines, counts)
+    return seen
+
+
+def report_blocks(blocks: Counter[Block]) -> bool:
+    """Whether enough are run, and each that is not has its reason."""
+    reasons = tomllib.loads(REASONS.read_text())["unreached"] if REASONS.exists() else []
+    texts = {path.name: path.read_text().splitlines() for path in ENGINE.glob("*.sv")}
+    run_ones = sum(count > 0 for count in blocks.values())
+    unexplained = 0
+    for block in sorted((b for b in blocks if blocks[b] == 0), key=lambda b: (b.file, b.line)):
+        text = texts[block.file][block.line - 1].strip()
+        reason = next(
+            (
+                entry["reason"]
+                for entry in reasons
+                if (entry["file"], entry["line"], entry["kind"]) == (block.file, text, block.kind)
+            ),
+            None,
+        )
+        unexplained += reason is None
+        print(f"not run: {block.file}:{block.line}: {block.kind} of `{text}`")
+        print(f"    {reason or 'WITHOUT A REASON'}")
+    for file in sorted({block.file for block in blocks}):
+        there = [count for block, count in blocks.items() if block.file == file]
+        print(f"{file:26} {sum(c > 0 for c in there):4} of {len(there):4} blocks and branches run")
+    share = run_ones / max(len(blocks), 1)
+    print(
+        f"{run_ones} of {len(blocks)} blocks and branches run, {100 * share:.1f} %; "
+        f"{unexplained} of the others without a reason"
+    )
+    return share >= WANTED and unexplained == 0
+
+
+def report_events(events: Counter[tuple[str, int]]) -> bool:
+    """Whether all that can happen has."""
+    missing = []
+    for what, number in sorted(
+        {*events, *((name, number) for name in NEEDED for number in NEEDED[name])}
+    ):
+        name = f"{what} {STATES[number] if what == 'abort in state' else number}"
+        count = events[(what, number)]
+        print(f"{count:10} {name}")
+        if count == 0:
+            missing.append(name)
+    for name in missing:
+        print(f"has not happened: {name}")
+    return not missing
+
+
+def report_partitions(seen: Counter[tuple[int, int, int, int]]) -> bool:
+    """Prints pass by package that waits by rows that wait, for each depth of the queue."""
+    print("clocks of a partition, by pass, whether a package waits, and finished rows that wait")
+    missing = False
+    # Of a deep queue not every number of rows comes about: what is asked for is all of the least.
+    shallowest = min((key[3] for key in seen), default=0)
+    for depth in sorted({key[3] for key in seen}):
+        for number, name in enumerate(PASSES):
+            for waits in (0, 1):
+                counts = [seen[(number, waits, rows, depth)] for rows in range(depth + 1)]
+                holes = [str(rows) for rows, count in enumerate(counts) if count == 0]
+                if any(counts) or number == PRODUCT:
+                    what = "waits" if waits else "runs "
+                    print(f"queue of {depth:2}, {name:15} {what} {' '.join(map(str, counts))}")
+                    if number == PRODUCT and holes:
+                        print(f"    not seen: {', '.join(holes)} rows")
+                        missing = missing or depth == shallowest
+    others = [key for key in seen if key[0] != PRODUCT and (key[1] or key[2])]
+    print(
+        f"outside of a product {len(others)} combinations with a row or a package that waits: a "
+        "product is over when every row was taken"
+    )
+    return not missing and not others
+
+
+def main() -> int:
+    parser = argparse.ArgumentParser(description=(__doc__ or "").splitlines()[0])
+    parser.add_argument("--build", type=Path, default=Path("build/release"))
+    parser.add_argument("--keep", type=Path, help="folder of the translation")
+    options = parser.parse_args()
+    build = options.build.resolve()
+    folder = (options.keep or build / "covered").resolve()
+    variant = Variant(folder, ("--coverage-line",), HERE / "coverage/counts.cpp")
+    sources = {
+        one.name: [*engine_sources(one), *([OBSERVED] if one.is_engine else [])]
+        for one in translations(build)
+    }
+    try:
+        program = build_program(build, variant, sources)
+    except NotBuiltError as error:
+        print(f"the engine could not be translated: {error}", file=sys.stderr)
+        return 1
+    seen = run(program, folder)
+    if seen is None:
+        return 1
+    good = [
+        report_blocks(seen.blocks),
+        report_events(seen.events),
+        report_partitions(seen.partitions),
+    ]
+    return 0 if all(good) else 1
+
+
+if __name__ == "__main__":
+    sys.exit(main())
