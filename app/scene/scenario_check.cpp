@@ -100,6 +100,11 @@ void require_flip(const Scenario& s, const vp::engine::Flip& flip) {
     throw InputError(key, std::to_string(found) + ": expected less than " + std::to_string(limit));
   };
   using Place = vp::engine::FlipPlace;
+  if ((flip.place == Place::z || flip.place == Place::inverse) && !s.solver.preconditioned()) {
+    throw InputError("place", std::string(name(flip.place)) +
+                                  " is of a preconditioner: expected solver.method = "
+                                  "\"jacobi-pcg\" or \"block-jacobi-pcg\"");
+  }
   below("partition", flip.partition, s.accelerator.partitions);
   const int package = s.accelerator.package;
   below("column", flip.column,
@@ -114,7 +119,10 @@ void require_flip(const Scenario& s, const vp::engine::Flip& flip) {
     case Place::b:
       return below("bit", flip.bit, s.solver.residual_bits());
     case Place::q:
+    case Place::z:
       return below("bit", flip.bit, fixed::Settings::kProductBits);
+    case Place::inverse:
+      return below("bit", flip.bit, fixed::Settings::kProductBits - 1);
     case Place::matrix:
       return below("bit", flip.bit, s.solver.matrix_bits);
     case Place::nodes:
@@ -130,6 +138,9 @@ void require_flip(const Scenario& s, const vp::engine::Flip& flip) {
       return below("bit", flip.bit, s.solver.scalar_bits);
     case Place::loops:
       return below("bit", flip.bit, vp::engine::kLoopBits);
+    case Place::r_exponent:
+    case Place::d_exponent:
+      return below("bit", flip.bit, vp::engine::kExponentBits);
   }
 }
 

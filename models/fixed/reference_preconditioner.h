@@ -1,6 +1,7 @@
 #pragma once
 
 #include <array>
+#include <cstddef>
 #include <cstdint>
 #include <vector>
 
@@ -24,6 +25,8 @@ class ReferencePreconditioner {
   // Nine words for each node, row by row; for the inverse diagonal those beside the diagonal are
   // zero.
   const std::vector<std::int32_t>& words() const { return words_; }
+  // A word has changed by itself: rows are counted as they were.
+  void set_word(std::size_t place, std::int32_t word) { words_[place] = word; }
   // The number of bits that z = P⁻¹·r drops, so that every sum fits 32 bits.
   int shift() const { return shift_; }
   // The words are P⁻¹ · 2^scale_bits(settings).

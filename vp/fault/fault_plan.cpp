@@ -146,8 +146,9 @@ void Fault::declare_flip(config::Visitor& v) {
   const auto of_place = v.variant(
       "place", flip.place, place_names(),
       {.help = "what the bit is of: a memory of the vectors, where previous is x before the last "
-               "job; the matrix; nodes, owner, phase and last, parts of an index word; the "
-               "registers of a coefficient, r·r and the iterations",
+               "job; with a preconditioner z, and the diagonal of its inverse; the matrix; nodes, "
+               "owner, phase and last, parts of an index word; the registers of a coefficient, "
+               "r·r, the iterations and the exponents of r and d",
        .required = true});
   v.integer("clock", clock, {-1, 1'000'000'000},
             {"behind which clock from the start of the frame's job on; behind its end, too; -1: "
@@ -158,7 +159,8 @@ void Fault::declare_flip(config::Visitor& v) {
     v.integer(key, value, {-1, most}, {help, "any will do"});
   };
   of_place.only(
-      {FlipPlace::x, FlipPlace::r, FlipPlace::b, FlipPlace::q, FlipPlace::previous, FlipPlace::d},
+      {FlipPlace::x, FlipPlace::r, FlipPlace::z, FlipPlace::b, FlipPlace::q, FlipPlace::previous,
+       FlipPlace::inverse, FlipPlace::d},
       [&] {
         index("node", flip.node, 1 << 20, "of which node; -1: drawn");
         index("component", flip.component, 2, "0 x, 1 y, 2 z; -1: drawn");

@@ -146,6 +146,7 @@ class Accelerator : public sc_core::sc_module, private ListOwner {
   // Bits that flip (accelerator_flip.cpp).
   void plan_flips();
   void expect_flips();
+  void await_flip();
   bool complete(engine::Flip& flip, const Fault& fault);
   void make_flips();
   void flip_bit(const engine::Flip& flip);
@@ -173,9 +174,11 @@ class Accelerator : public sc_core::sc_module, private ListOwner {
     const Fault* fault = nullptr;
     engine::Flip flip;
   };
-  std::deque<PlannedFlip> planned_flips_;  // the next one first
-  sc_core::sc_event flip_due_;
-  bool expects_flips_ = false;
+  struct PlannedFlips {
+    std::deque<PlannedFlip> next;  // the next one first
+    sc_core::sc_event due{"flip_due"};
+  };
+  std::unique_ptr<PlannedFlips> planned_flips_;  // null before the first flip
   const Fault* flipped_ = nullptr;  // the newest one since the memories were filled
 
   RegisterBank bank_;

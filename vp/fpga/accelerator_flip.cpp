@@ -1,7 +1,6 @@
 // Bits of the engine's memories and registers that flip, and what comes of them.
 #include <algorithm>
 #include <cstdlib>
-#include <utility>
 
 #include "models/accel/board.h"
 #include "models/index.h"
@@ -36,22 +35,27 @@ void Accelerator::plan_flips() {
     }
     if (ledger_.has(frame_)) ++ledger_.frame(frame_).flips;
     const Picoseconds time = now_ps() + clock * clock_period_ + clock_period_ / 2;
-    planned_flips_.push_back({time, fault, flip});
+    planned_flips_->next.push_back({time, fault, flip});
   }
-  std::ranges::stable_sort(planned_flips_, {}, &PlannedFlip::time);
-  if (!planned_flips_.empty()) {
-    flip_due_.cancel();
-    flip_due_.notify(to_sc_time(planned_flips_.front().time - now_ps()));
-  }
+  if (planned_flips_ == nullptr) return;
+  std::ranges::stable_sort(planned_flips_->next, {}, &PlannedFlip::time);
+  await_flip();
 }
 
-// The process is there from the first flip on, which may be asked for during the run.
+void Accelerator::await_flip() {
+  planned_flips_->due.cancel();
+  if (planned_flips_->next.empty()) return;
+  planned_flips_->due.notify(to_sc_time(planned_flips_->next.front().time - now_ps()));
+}
+
+// Event and process are there from the first flip on, which may be asked for during the run.
 void Accelerator::expect_flips() {
   timing_->carry_words();
-  if (std::exchange(expects_flips_, true)) return;
+  if (planned_flips_ != nullptr) return;
+  planned_flips_ = std::make_unique<PlannedFlips>();
   sc_core::sc_spawn_options options;
   options.spawn_method();
-  options.set_sensitivity(&flip_due_);
+  options.set_sensitivity(&planned_flips_->due);
   options.dont_initialize();
   sc_core::sc_spawn([this] { make_flips(); }, "flips", &options);
 }
@@ -74,13 +78,14 @@ bool Accelerator::complete(engine::Flip& flip, const Fault& fault) {
 }
 
 void Accelerator::make_flips() {
-  while (!planned_flips_.empty() && planned_flips_.front().time <= now_ps()) {
-    const PlannedFlip planned = planned_flips_.front();
-    planned_flips_.pop_front();
+  std::deque<PlannedFlip>& next = planned_flips_->next;
+  while (!next.empty() && next.front().time <= now_ps()) {
+    const PlannedFlip planned = next.front();
+    next.pop_front();
     flipped_ = planned.fault;
     flip_bit(planned.flip);
   }
-  if (!planned_flips_.empty()) flip_due_.notify(to_sc_time(planned_flips_.front().time - now_ps()));
+  await_flip();
 }
 
 // What software reads as U is the engine's x, while no job makes another one.

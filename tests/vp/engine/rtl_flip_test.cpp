@@ -25,9 +25,17 @@ using test::words;
 
 constexpr std::int64_t kNoEnd = 60'000;  // clocks
 
+// Of a longer pass z is written before r: the cycle-accurate engine makes both at once.
+bool preconditions(const EngineSize& size) {
+  return size.preconditioner && size.phase_clocks <= 24;
+}
+
 Settings random_settings(const EngineSize& size, Random& random) {
   Settings s = settings_of(size);
   s.start = static_cast<fixed::Start>(random.below(3));
+  if (preconditions(size) && random.below(2) == 0) {
+    s.method = fixed::Method::jacobi_pcg;
+  }
   s.iterations = 1 + random.below(8);
   s.dynamic_scaling = random.below(4) != 0;
   s.shift_rounding = static_cast<fixed::Rounding>(random.below(3));
@@ -73,6 +81,7 @@ class Flips {
     load();
     for (int j = 0; j < 4; ++j) {
       if (testing::Test::HasFatalFailure()) return;
+      if (random_.below(6) == 0) hold();
       job(j > 0);
     }
   }
@@ -90,7 +99,7 @@ class Flips {
  private:
   void load() {
     pair_.load(matrix_, settings_);
-    pair_.engine.carry_words();
+    pair_.engine.carry_words(size_.preconditioner);
     pair_.both.expect_flips();
     pair_.write_x(words(matrix_.rows(), size_.vector_bits, random_));
     clocks_ = 0;
@@ -118,6 +127,18 @@ class Flips {
     EXPECT_EQ(pair_.both.difference(), "");
     load();
     return false;
+  }
+
+  // A node is held, of which P⁻¹ is made anew.
+  void hold() {
+    if (matrix_.block_rows() == 0) return;
+    const int node = random_.below(matrix_.block_rows());
+    const std::int32_t diagonal = 1 + random_.below((1 << (size_.matrix_bits - 1)) - 1);
+    pair_.engine.start_constraining(node, diagonal);
+    pair_.both.constrain(node, diagonal);
+    sc_core::sc_start();
+    ASSERT_EQ(pair_.both.difference(), "");
+    ++pair_.holds;
   }
 
   void job(bool flips) {
@@ -187,8 +208,11 @@ TEST_P(RtlFlips, LeaveBothEquallyWrong) {
   flips.print();
   for (std::size_t i = 0; i < engine::kFlipPlaces; ++i) {
     const Seen& seen = flips.seen(static_cast<FlipPlace>(i));
-    EXPECT_GT(seen.flips - seen.idle, 0) << engine::name(static_cast<FlipPlace>(i));
-    EXPECT_GT(seen.idle, 0) << engine::name(static_cast<FlipPlace>(i));
+    const auto place = static_cast<FlipPlace>(i);
+    const bool none = place == FlipPlace::z || place == FlipPlace::inverse;
+    if (none && !preconditions(*GetParam())) continue;
+    EXPECT_GT(seen.flips - seen.idle, 0) << engine::name(place);
+    EXPECT_GT(seen.idle, 0) << engine::name(place);
   }
   EXPECT_GT(flips.seen(FlipPlace::last).no_end, 0);
   EXPECT_GT(flips.seen(FlipPlace::loops).no_end, 0);

@@ -3,9 +3,17 @@
 #include <cstddef>
 
 #include "models/index.h"
+#include "vp/fpga/engine/flip.h"
 #include "vp/fpga/engine/vector_unit.h"
 
 namespace hvp::vp::engine {
+
+void VectorUnit::carry_words(bool wide, int late) {
+  carries_words_ = true;
+  residual_memory_bits_ = wide ? fixed::Settings::kProductBits : 0;
+  late_ = late;
+  carried_inverse_.resize(9 * at(architecture_.nodes_per_clock) * ranks_.size());
+}
 
 // The register in front of the copies of d, as vector_unit.sv has it.
 void VectorUnit::address(bool starts) {
@@ -51,12 +59,19 @@ void VectorUnit::carry() {
     std::copy_n(m.x.begin() + static_cast<std::ptrdiff_t>(first), count, carried(slot, kX));
     std::copy_n(m.previous.begin() + static_cast<std::ptrdiff_t>(first), count,
                 carried(slot, kPrevious));
-    std::copy_n(m.b.begin() + static_cast<std::ptrdiff_t>(first), count, carried(slot, kB));
-    std::copy_n(m.z.begin() + static_cast<std::ptrdiff_t>(first), count, carried(slot, kZ));
-    take(m.r, kR, settings.residual_bits());
-    // b − q is formed of the word itself.
-    const bool residual = lanes_.command().pass == Pass::residual;
-    take(m.q, kQ, residual ? 64 : fixed::Settings::kProductBits);
+    if (carries_words_) {  // a copy and a guess have no more
+      std::copy_n(m.b.begin() + static_cast<std::ptrdiff_t>(first), count, carried(slot, kB));
+      take(m.z, kZ, fixed::Settings::kProductBits);
+      take(m.r, kR, std::max(residual_memory_bits_, settings.residual_bits()));
+      // b − q is formed of the word itself.
+      const bool residual = lanes_.command().pass == Pass::residual;
+      take(m.q, kQ, residual ? 64 : fixed::Settings::kProductBits);
+    }
+  }
+  if (carries_words_ && settings.preconditioned()) {
+    const std::size_t slot = ranks_.slot(std::min(kInverseRank, written));
+    std::copy_n(m.inverse.begin() + 9 * group_[slot].first, 9 * group_[slot].count,
+                &carried_inverse_[9 * at(architecture_.nodes_per_clock) * slot]);
   }
   if (reads_direction_) {
     const std::size_t slot = ranks_.slot(read);
@@ -77,10 +92,29 @@ void VectorUnit::carry() {
 }
 
 LaneWords VectorUnit::carried_words(std::size_t slot) {
+  const std::int32_t* const inverse =
+      carries_words_ ? &carried_inverse_[9 * at(architecture_.nodes_per_clock) * slot] : nullptr;
   return {carried(slot, kX),       carried(slot, kB),     carried(slot, kR),
           carried(slot, kZ),       carried(slot, kQ),     carried(slot, kPrevious),
-          carried(slot, kD),       carried(slot, kKeptD), coefficients_[slot].of_d,
-          coefficients_[slot].of_q};
+          carried(slot, kD),       carried(slot, kKeptD), inverse,
+          carried(slot, kZ),       coefficients_[slot].of_d, coefficients_[slot].of_q};
+}
+
+// Words of z are made behind r, and have their own way to the memory.
+void VectorUnit::send_z(const Group& group, const LaneWords& from) {
+  const VectorCommand& now = lanes_.command();
+  const bool makes_z = now.pass == Pass::residual || (now.pass == Pass::update && !now.exchange);
+  if (!makes_z || !lanes_.settings().preconditioned()) return;
+  late_z_.push_back({late_, group.first, {from.new_z, from.new_z + 3 * at(group.count)}});
+  if (late_ == 0) write_z();
+}
+
+void VectorUnit::write_z() {
+  for (LateWords& late : late_z_) --late.left;
+  while (!late_z_.empty() && late_z_.front().left <= 0) {
+    std::ranges::copy(late_z_.front().words, memories().z.begin() + 3 * late_z_.front().first);
+    late_z_.pop_front();
+  }
 }
 
 std::span<VectorUnit::ProductWords> VectorUnit::rows_at(int rank) {

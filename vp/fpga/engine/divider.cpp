@@ -14,6 +14,8 @@ void Divider::clocked() {
   if (next.number != command_.number) {
     command_ = next;
     begin();
+  } else if (busy_ && phase_ == Phase::operands) {
+    if (--operands_left_ == 0) divide();
   } else if (busy_ && phase_ == Phase::divide) {
     if (division_.step()) take_quotient();
   } else if (busy_ && phase_ == Phase::rescale) {
@@ -34,7 +36,14 @@ void Divider::begin() {
   result_ = {command_.number, {}, 0};
   phase_ = Phase::wait;
   if (command_.hold) return;
+  phase_ = Phase::operands;
+  operands_left_ = command_.late;
+  if (operands_left_ == 0) divide();
+}
+
+void Divider::divide() {
   phase_ = Phase::divide;
+  command_ = command->read();
   division_.start(settings_, command_.numerator, command_.denominator, command_.fraction_bits);
 }
 

@@ -16,6 +16,7 @@ struct DivisionCommand {
   fixed::Int128 numerator = 0;
   fixed::Int128 denominator = 1;
   int fraction_bits = 0;  // for fixed coefficients
+  int late = 0;           // clocks for which the denominator may still change
   bool hold = false;      // the divider works, and its quotient is ignored
   // What the re-scaling behind the division starts from.
   fixed::RescalingSteps::Operands rescaling{};
@@ -50,9 +51,10 @@ class Divider : public sc_core::sc_module {
   bool busy() const { return busy_; }
 
  private:
-  enum class Phase { divide, rescale, wait };
+  enum class Phase { operands, divide, rescale, wait };
 
   void begin();
+  void divide();
   void take_quotient();
 
   fixed::Settings settings_;
@@ -62,6 +64,7 @@ class Divider : public sc_core::sc_module {
   Phase phase_ = Phase::wait;
   int clocks_ = 1;
   int left_ = 0;
+  int operands_left_ = 0;  // clocks
   bool busy_ = false;
   DivisionCommand command_;
   Quotient result_;

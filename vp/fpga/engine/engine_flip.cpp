@@ -8,10 +8,15 @@
 
 namespace hvp::vp::engine {
 
-void CycleEngine::carry_words() {
+void CycleEngine::carry_words(bool has_preconditioner) {
   if (carries_words_) return;
   carries_words_ = true;
-  vectors_.carry_words();
+  const int written = architecture_.phase_clocks() - 1 - architecture_.adder_tree_clocks;
+  // zᵀr is there behind the words of z, as rᵀr is in an engine that has the lanes for them.
+  const int late =
+      has_preconditioner ? std::max(0, kPreconditionedRank - written) : 0;
+  vectors_.carry_words(has_preconditioner, late);
+  sequencer_.sum_late(late);
   if (!layout_) return;
   for (const auto& block : blocks_) block->carry_words();
 }
@@ -28,6 +33,10 @@ int CycleEngine::word_bits(FlipPlace place) const {
       return settings_.residual_bits();
     case FlipPlace::q:
       return fixed::Settings::kProductBits;
+    case FlipPlace::z:
+      return settings_.preconditioned() ? fixed::Settings::kProductBits : 0;
+    case FlipPlace::inverse:
+      return settings_.preconditioned() ? fixed::Settings::kProductBits - 1 : 0;
     case FlipPlace::matrix:
       return settings_.matrix_bits;
     case FlipPlace::nodes:
@@ -43,6 +52,9 @@ int CycleEngine::word_bits(FlipPlace place) const {
       return settings_.scalar_bits;
     case FlipPlace::loops:
       return kLoopBits;
+    case FlipPlace::r_exponent:
+    case FlipPlace::d_exponent:
+      return kExponentBits;
   }
   return 0;
 }
@@ -64,6 +76,8 @@ std::vector<std::int32_t>& CycleEngine::flipped_vector(FlipPlace place) {
   switch (place) {
     case FlipPlace::r:
       return m.r;
+    case FlipPlace::z:
+      return m.z;
     case FlipPlace::b:
       return m.b;
     case FlipPlace::q:
@@ -86,11 +100,19 @@ void CycleEngine::flip(const Flip& f) {
   switch (f.place) {
     case FlipPlace::x:
     case FlipPlace::r:
+    case FlipPlace::z:
     case FlipPlace::b:
     case FlipPlace::q:
     case FlipPlace::previous:
       change(flipped_vector(f.place)[3 * at(f.node) + at(f.component)]);
       break;
+    case FlipPlace::inverse: {
+      // The editor reads the word again before it makes a new one.
+      const std::size_t word = 9 * at(f.node) + 4 * at(f.component);
+      vectors_.memories().inverse[word] ^= std::int32_t{1} << f.bit;
+      preconditioner_->set_word(word, vectors_.memories().inverse[word]);
+      break;
+    }
     case FlipPlace::d:
       direction_.flip(f.partition, f.node, f.component, f.bit, bits);
       break;
@@ -123,6 +145,13 @@ void CycleEngine::flip(const Flip& f) {
     case FlipPlace::loops:
       sequencer_.flip_loops(f.bit);
       break;
+    case FlipPlace::r_exponent:
+    case FlipPlace::d_exponent: {
+      const bool begun = vectors_.pass_number() == sequencer_.vector_command.read().number;
+      sequencer_.flip_exponent(f.place, f.bit);
+      if (begun) vectors_.shift_z(sequencer_.vector_command.read().z_shift);
+      break;
+    }
   }
 }
 

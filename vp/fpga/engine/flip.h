@@ -10,9 +10,11 @@ namespace hvp::vp::engine {
 enum class FlipPlace {
   x,  // the vectors' memories; `previous` is x before the last job, for an extrapolated start
   r,
+  z,  // with a preconditioner
   b,
   q,
   previous,
+  inverse,      // P⁻¹: a word of its diagonal
   d,            // a partition's copy
   matrix,       // non-zeros
   nodes,        // of the index words: the block columns of a package,
@@ -22,18 +24,23 @@ enum class FlipPlace {
   coefficient,  // a register: α or β, as the lanes multiply by it
   r_r,          // a register: rᵀr, or with a preconditioner zᵀr
   loops,        // a register: the iterations begun
+  r_exponent,   // registers: r in words is r · 2^r_exponent,
+  d_exponent,   // and d likewise
 };
-inline constexpr std::size_t kFlipPlaces = static_cast<std::size_t>(FlipPlace::loops) + 1;
+inline constexpr std::size_t kFlipPlaces = static_cast<std::size_t>(FlipPlace::d_exponent) + 1;
 
 constexpr const char* name(FlipPlace place) {
   constexpr std::array<const char*, kFlipPlaces> kNames = {
-      "x",     "r",     "b",     "q",    "previous",    "d",   "matrix",
-      "nodes", "owner", "phase", "last", "coefficient", "r_r", "loops"};
+      "x",      "r",     "z",     "b",     "q",    "previous",    "inverse", "d",
+      "matrix", "nodes", "owner", "phase", "last", "coefficient", "r_r",     "loops",
+      "r_exponent", "d_exponent"};
   return kNames[static_cast<std::size_t>(place)];
 }
 
 // The bits of the counter of iterations.
 inline constexpr int kLoopBits = 16;
+// The bits of an exponent that flip: those above them do the same.
+inline constexpr int kExponentBits = 16;
 
 // A bit of a memory or a register that changes, as by a particle, amid two edges of the clock. What
 // a place does not have is not looked at; −1: not stated.
@@ -74,6 +81,12 @@ constexpr bool has_index(FlipPlace place, int Flip::*index) {
   if (index == &Flip::column) return place == FlipPlace::matrix || place == FlipPlace::nodes;
   return true;
 }
+
+// The rank of a node whose z is written, where the lanes have one: that of the words before, if it
+// has more.
+inline constexpr int kPreconditionedRank = 19;
+// The rank at which the words of P⁻¹ have been read.
+inline constexpr int kInverseRank = 11;
 
 // A word of so many bits in two's complement with this bit changed.
 constexpr std::int64_t flipped(std::int64_t word, int bit, int bits) {

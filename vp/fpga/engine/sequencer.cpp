@@ -1,5 +1,7 @@
 #include "vp/fpga/engine/sequencer.h"
 
+#include <algorithm>
+
 #include "models/fixed/reference_preconditioner.h"
 #include "models/fixed/word.h"
 
@@ -9,6 +11,8 @@ namespace {
 
 // Bits of magnitude that re-scaling leaves the 32-bit r of PCG (docs/fixed-point.md).
 constexpr int kWideResidualBits = 25;
+// The largest power of two of a re-scaling, of 8 bits.
+constexpr int kMostRescaling = 255;
 
 }  // namespace
 
@@ -55,6 +59,8 @@ void Sequencer::start(const fixed::Settings& settings, int inverse_shift, bool h
   enter(State::idle);
   state_clocks_ = {};
   loops_ = 0;
+  late_left_ = 0;
+  operands_left_ = 0;
   hold_ = false;
   replaced_ = false;
   zero_ = settings.start == fixed::Start::zero;
@@ -67,9 +73,15 @@ void Sequencer::start(const fixed::Settings& settings, int inverse_shift, bool h
 
 void Sequencer::copy() { command(State::copy, {.pass = Pass::copy}); }
 
-void Sequencer::abort() { command(State::idle, {.pass = Pass::none}); }
+void Sequencer::abort() {
+  late_left_ = 0;
+  operands_left_ = 0;
+  command(State::idle, {.pass = Pass::none});
+}
 
 void Sequencer::clocked() {
+  if (late_left_ > 0) --late_left_;
+  if (operands_left_ > 0) --operands_left_;
   if (state_ == State::idle) return;
   if (state_ == State::alpha || state_ == State::beta) {
     if (quotient->read().number == division_number_) take_quotient(quotient->read());
@@ -132,18 +144,22 @@ void Sequencer::pass_is_over(const VectorStatus& status) {
 
 void Sequencer::take_quotient(const Quotient& taken) {
   Scalars& s = scalars_;
+  // Only an exponent that has flipped asks for more than the register has.
+  const int most = kMostRescaling - kMostRescaling % settings_.scaling_step;
+  const int up = std::clamp(taken.up, -most, most);
   if (state_ == State::alpha) {
     s.alpha = taken.value;
-    s.alpha.exponent += s.d_q.exponent - s.z_r.exponent;
-    form_update(taken.up);
+    s.alpha.exponent += quotient_unit_;
+    s.shown_alpha = {s.alpha.mantissa, taken.value.exponent + change_unit_};
+    form_update(up);
     return;
   }
   s.beta = {};
   if (!no_beta_) {
     s.beta = taken.value;
-    s.beta.exponent += z_r_before_.exponent - s.z_r.exponent;
+    s.beta.exponent += quotient_unit_;
   }
-  form_direction(taken.up);
+  form_direction(up);
 }
 
 // For whoever reads the clocks; no decision hangs on them.
@@ -171,6 +187,8 @@ void Sequencer::multiply(State state, bool compare) {
 
 void Sequencer::divide(State state, DivisionCommand next) {
   enter(state);
+  operands_left_ = next.late + 1;
+  if (!next.hold) take_exponents(next.rescaling);
   next.number = ++division_number_;
   division_command.write(next);
 }
@@ -196,24 +214,31 @@ void Sequencer::form_residual(State state, const VectorStatus& product) {
 void Sequencer::take_residual(const VectorStatus& status) {
   Scalars& s = scalars_;
   z_r_before_ = s.z_r;
+  late_left_ = late_;
+  stopping_exponent_ = s.r_exponent;
   if (hold_) return;
   s.largest_r = status.largest_r;
   s.largest_z = status.largest_z;
-  s.z_exponent = s.r_exponent;
-  if (settings_.preconditioned()) {
-    s.z_exponent += fixed::ReferencePreconditioner::scale_bits(settings_) - inverse_shift_;
-  }
+  s.z_exponent = z_exponent();
   s.z_r = {machine_.write_scalar(status.dot), s.z_exponent + s.r_exponent};
   residual_squares_ = static_cast<fixed::UInt128>(status.squares);
 }
 
+int Sequencer::z_exponent() const {
+  if (!settings_.preconditioned()) return scalars_.r_exponent;
+  return scalars_.r_exponent + fixed::ReferencePreconditioner::scale_bits(settings_) -
+         inverse_shift_;
+}
+
+// Without dynamic scaling the direction of PCG is in units of x (thesis §4.3).
+int Sequencer::first_up() const {
+  if (settings_.dynamic_scaling) return direction_target_ - fixed::bit_length(scalars_.largest_z);
+  return settings_.preconditioned() ? -scalars_.z_exponent : 0;
+}
+
 void Sequencer::form_first_direction() {
   Scalars& s = scalars_;
-  // Without dynamic scaling the direction of PCG is in units of x (thesis §4.3).
-  s.d_exponent = settings_.preconditioned() ? 0 : s.z_exponent;
-  if (settings_.dynamic_scaling) {
-    s.d_exponent = s.z_exponent + direction_target_ - fixed::bit_length(s.largest_z);
-  }
+  s.d_exponent = s.z_exponent + first_up();
   command(State::first_direction,
           {.pass = Pass::first_direction, .z_shift = s.d_exponent - s.z_exponent});
 }
@@ -221,7 +246,7 @@ void Sequencer::form_first_direction() {
 // ‖r‖ <= stop_residual · ‖b‖.
 bool Sequencer::reached() const {
   if (settings_.stop_residual == 0) return false;
-  return stop_test_.reached(residual_squares_, scalars_.r_exponent);
+  return stop_test_.reached(residual_squares_, stopping_exponent_);
 }
 
 void Sequencer::begin_iteration() {
@@ -259,18 +284,57 @@ void Sequencer::take_product(const VectorStatus& status) {
           .fraction_bits = settings_.alpha_fraction_bits,
           // r is bounded by |r| + α·|q|.
           .rescaling = {.a = s.largest_r,
-                        .a_exponent = 0,
                         .largest = s.largest_q,
-                        .b_exponent = s.d_q.exponent - s.z_r.exponent - s.q_exponent + s.r_exponent,
                         .word_bits = settings_.residual_bits(),
                         .target_bits = residual_target_,
                         .available_bits = residual_available_}});
 }
 
-fixed::Int128 Sequencer::flipped_scalar(int bit) const {
+// The divider waits as long as the sum, and takes what the register has then.
+void Sequencer::flip_r_r(int bit) {
   const int unused = 128 - settings_.scalar_bits;
-  const auto changed = static_cast<fixed::UInt128>(scalars_.z_r.word) ^ (fixed::UInt128{1} << bit);
-  return static_cast<fixed::Int128>(changed << unused) >> unused;
+  fixed::Int128& word = late_left_ > 0 ? z_r_before_.word : scalars_.z_r.word;
+  const auto changed = static_cast<fixed::UInt128>(word) ^ (fixed::UInt128{1} << bit);
+  word = static_cast<fixed::Int128>(changed << unused) >> unused;
+  DivisionCommand division = division_command.next();
+  if (late_left_ == 0 || state_ != State::beta || division.hold) return;
+  division.denominator = divided(word);
+  division_command.reset(division);
+}
+
+// The exponents that a division and its re-scaling start from.
+void Sequencer::take_exponents(fixed::RescalingSteps::Operands& operands) {
+  const Scalars& s = scalars_;
+  if (state_ == State::alpha) {
+    quotient_unit_ = 2 * s.d_exponent - settings_.product_shift() - s.z_r.exponent;
+    change_unit_ = s.d_exponent - s.z_r.exponent + s.r_exponent;
+    operands.b_exponent = change_unit_;
+  } else {
+    quotient_unit_ = z_r_before_.exponent - s.z_r.exponent;
+    operands.a_exponent = s.d_exponent - s.z_exponent;
+    operands.b_exponent = quotient_unit_;
+  }
+}
+
+// What is formed of an exponent follows, until it is in a register of its own.
+void Sequencer::flip_exponent(FlipPlace place, int bit) {
+  Scalars& s = scalars_;
+  const bool of_r = place == FlipPlace::r_exponent;
+  (of_r ? s.r_exponent : s.d_exponent) ^= 1 << bit;
+  s.z_exponent = z_exponent();
+  if (late_left_ > 0 && !hold_) {
+    s.z_r.exponent = s.z_exponent + s.r_exponent;
+    if (state_ == State::first_direction) {
+      s.d_exponent = s.z_exponent + first_up();
+      VectorCommand next = vector_command.read();
+      next.z_shift = first_up();
+      vector_command.reset(next);
+    }
+  }
+  DivisionCommand division = division_command.next();
+  if (operands_left_ == 0 || division.hold) return;
+  take_exponents(division.rescaling);
+  division_command.reset(division);
 }
 
 // What the divider takes of a scalar: all bits but that of the sign, which only a flip can set once
@@ -304,8 +368,6 @@ void Sequencer::form_update(int up) {
   }
   ++report_.iterations;
   replaced_ = replaces();
-  const int exponent = s.alpha.exponent - s.q_exponent + s.r_exponent;
-  s.shown_alpha = {s.alpha.mantissa, exponent};
   if (replaced_) up = 0;
   s.r_exponent += up;
   command(State::update, {.pass = Pass::update,
@@ -313,7 +375,7 @@ void Sequencer::form_update(int up) {
                           .alpha = s.alpha.mantissa,
                           .x_shift = s.alpha.exponent - s.d_exponent,
                           .r_shift = up,
-                          .change_shift = exponent + up});
+                          .change_shift = s.shown_alpha.exponent + up});
 }
 
 void Sequencer::form_beta() {
@@ -326,11 +388,10 @@ void Sequencer::form_beta() {
   divide(State::beta, {.numerator = s.z_r.word,
                        .denominator = divided(z_r_before_.word),
                        .fraction_bits = settings_.beta_fraction_bits,
+                       .late = late_,
                        // d is bounded by |z| + β·|d|.
                        .rescaling = {.a = s.largest_z,
-                                     .a_exponent = s.d_exponent - s.z_exponent,
                                      .largest = s.largest_d,
-                                     .b_exponent = z_r_before_.exponent - s.z_r.exponent,
                                      .word_bits = settings_.vector_bits,
                                      .target_bits = direction_target_,
                                      .available_bits = settings_.vector_bits - 1}});

@@ -79,8 +79,11 @@ class Sequencer : public sc_core::sc_module {
   // Aborts a solve or a copy.
   void abort();
 
+  // From now on zᵀr is in its register so many clocks behind the pass that makes it.
+  void sum_late(int clocks) { late_ = clocks; }
   // A bit of a register, of so many, has flipped.
-  void flip_r_r(int bit) { scalars_.z_r.word = flipped_scalar(bit); }
+  void flip_r_r(int bit);
+  void flip_exponent(FlipPlace place, int bit);
   void flip_loops(int bit) { loops_ ^= 1 << bit; }
   void flip_coefficient(int bit);
 
@@ -102,15 +105,17 @@ class Sequencer : public sc_core::sc_module {
 
   void form_residual(State state, const VectorStatus& product);
   void take_residual(const VectorStatus& status);
+  int z_exponent() const;
+  int first_up() const;
   void form_first_direction();
   void begin_iteration();
   void take_product(const VectorStatus& status);
   void form_update(int up);
+  void take_exponents(fixed::RescalingSteps::Operands& operands);
   void form_beta();
   void form_direction(int up);
   bool reached() const;
   bool replaces();
-  fixed::Int128 flipped_scalar(int bit) const;
   fixed::Int128 divided(fixed::Int128 scalar) const;
 
   const EngineClock& clock_;
@@ -124,6 +129,13 @@ class Sequencer : public sc_core::sc_module {
 
   State state_ = State::idle;
   StateClocks state_clocks_{};
+  int late_ = 0;
+  int operands_left_ = 0;  // clocks until a division has its operands
+  // The exponents of a quotient, and of α·q in units of r, less that of the mantissa.
+  int quotient_unit_ = 0;
+  int change_unit_ = 0;
+  int stopping_exponent_ = 0;  // of r, as the stop test has it
+  int late_left_ = 0;  // clocks for which the register still has the zᵀr before
   sc_core::sc_time entered_;
   Scalars scalars_;
   std::uint32_t vector_number_ = 0;

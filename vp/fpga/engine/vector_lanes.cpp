@@ -48,12 +48,13 @@ void VectorLanes::begin(const VectorCommand& command) {
   preconditioner_shift_ = shifter(-inverse_shift_);
 }
 
-LaneWords VectorLanes::words(int first_node, const std::int32_t* direction) const {
+LaneWords VectorLanes::words(int first_node, const std::int32_t* direction) {
   const std::size_t first = 3 * at(first_node);
-  const VectorMemories& m = memories_;
+  VectorMemories& m = memories_;
   const std::int32_t mantissa = now_.pass == Pass::direction ? now_.beta : now_.alpha;
   return {&m.x[first],        &m.b[first], &m.r[first], &m.z[first], &m.q[first],
-          &m.previous[first], direction,   direction,   mantissa,    mantissa};
+          &m.previous[first], direction,   direction,   &m.inverse[3 * first], &m.z[first],
+          mantissa,           mantissa};
 }
 
 void VectorLanes::write(int first_node, int nodes, const LaneWords& from, std::int32_t* written) {
@@ -107,7 +108,7 @@ void VectorLanes::write_residual(std::size_t first, std::size_t count, const Lan
       memories_.x[word] = from.kept_d[i];
     }
   }
-  precondition(first, count);
+  precondition(first, count, from);
 }
 
 // x += α·d, r −= α·q
@@ -127,11 +128,11 @@ void VectorLanes::write_update(std::size_t first, std::size_t count, const LaneW
     memories_.r[word] =
         clamped(kept - change_shift_(product(from.of_q, from.q[i])), settings_.residual_bits());
   }
-  if (!now_.exchange) precondition(first, count);
+  if (!now_.exchange) precondition(first, count, from);
 }
 
 // z = P⁻¹·r, a node's three rows at once, and the sums of both.
-void VectorLanes::precondition(std::size_t first, std::size_t count) {
+void VectorLanes::precondition(std::size_t first, std::size_t count, const LaneWords& from) {
   fixed::Int128 squares = 0;
   for (std::size_t i = first; i < first + count; ++i) {
     const std::int32_t r = memories_.r[i];
@@ -144,14 +145,16 @@ void VectorLanes::precondition(std::size_t first, std::size_t count) {
     status_.largest_z = status_.largest_r;
     return;
   }
-  for (std::size_t row = first; row < first + count; ++row) {
-    const std::int32_t* const inverse = &memories_.inverse[3 * row];
-    const std::int32_t* const r = &memories_.r[row / 3 * 3];
+  for (std::size_t row = 0; row < count; ++row) {
+    const std::int32_t* const inverse = &from.inverse[3 * row];
+    const std::int32_t* const r = &memories_.r[first + row / 3 * 3];
     const std::int64_t sum =
         product(inverse[0], r[0]) + product(inverse[1], r[1]) + product(inverse[2], r[2]);
-    const std::int32_t z = clamped(preconditioner_shift_(sum), fixed::Settings::kProductBits);
-    memories_.z[row] = z;
-    status_.dot += product(z, memories_.r[row]);
+    // Beyond its word it is by a flipped bit of P⁻¹ only, which the lanes do not count.
+    const std::int32_t z =
+        silent_.write(preconditioner_shift_(sum), fixed::Settings::kProductBits);
+    from.new_z[row] = z;
+    status_.dot += product(z, memories_.r[first + row]);
     track(status_.largest_z, z);
   }
 }

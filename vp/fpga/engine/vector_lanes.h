@@ -77,6 +77,8 @@ struct LaneWords {
   const std::int32_t* previous = nullptr;
   const std::int32_t* d = nullptr;       // as it is multiplied
   const std::int32_t* kept_d = nullptr;  // as an exchange writes it
+  const std::int32_t* inverse = nullptr;  // nine words a node
+  std::int32_t* new_z = nullptr;          // where z goes
   // α or β before d and before q: they are multiplied at different edges.
   std::int32_t of_d = 0;
   std::int32_t of_q = 0;
@@ -107,13 +109,17 @@ class VectorLanes {
   // Begins a pass, with no sums yet.
   void begin(const VectorCommand& command);
   const VectorCommand& command() const { return now_; }
+  void shift_z(int shift) {
+    now_.z_shift = shift;
+    z_shift_ = WordShifter(shift, settings_.shift_rounding);
+  }
   // The mantissa that the pass multiplies by.
   std::int32_t& coefficient() { return now_.pass == Pass::direction ? now_.beta : now_.alpha; }
   // The pass' sums over the words written so far.
   const VectorStatus& status() const { return status_; }
 
   // The words of the nodes from this one on as they stand in the memories, with these of d.
-  LaneWords words(int first_node, const std::int32_t* direction) const;
+  LaneWords words(int first_node, const std::int32_t* direction);
   // Every pass but copy and product: writes `nodes` nodes from `first_node` on, made of their words
   // `from`; `written` gets those for the copies of d if the pass makes such.
   void write(int first_node, int nodes, const LaneWords& from, std::int32_t* written);
@@ -149,7 +155,7 @@ class VectorLanes {
   void write_update(std::size_t first, std::size_t count, const LaneWords& from,
                     std::int32_t* written);
   void write_direction(std::size_t count, const LaneWords& from, std::int32_t* written);
-  void precondition(std::size_t first, std::size_t count);
+  void precondition(std::size_t first, std::size_t count, const LaneWords& from);
 
   VectorMemories memories_;
   fixed::Settings settings_;

@@ -58,6 +58,7 @@ void VectorUnit::load(int nodes) {
 void VectorUnit::reset() {
   running_ = false;
   writes_left_ = 0;
+  late_z_.clear();
   first_block_ = 0;
   for (Group& group : group_) group.count = 0;
   for (int& count : back_count_) count = 0;
@@ -73,6 +74,7 @@ void VectorUnit::clocked() {
   const bool product = running_ && lanes_.command().pass == Pass::product;
   if (carries_words_) {
     address(starts);
+    write_z();
     if (!product) drain_rows();
   }
   if (!running_) return;
@@ -172,6 +174,7 @@ void VectorUnit::write(std::size_t slot) {
                                ? carried_words(slot)
                                : lanes_.words(group.first, blocks_.front()->direction(group.first));
     lanes_.write(group.first, group.count, from, words);
+    if (carries_words_) send_z(group, from);
   }
   if (writes_direction_) direction_write.write({group.first, group.count, number, words});
 }

@@ -3,6 +3,7 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <deque>
 #include <memory>
 #include <span>
 #include <systemc>
@@ -50,11 +51,14 @@ class VectorUnit : public sc_core::sc_module {
   }
   // The clamped and wrapped words and the flags since it was cleared.
   fixed::Report& report() { return lanes_.report(); }
-  // From now on the ranks carry their words, since bits of the memories may flip. To be called
+  // From now on the ranks carry their words, since bits of the memories may flip: r and z
+  // lie in memories of 32 bits if these are `wide`, and z is written `late` clocks behind r. To be called
   // while no solve runs.
-  void carry_words() { carries_words_ = true; }
+  void carry_words(bool wide, int late);
   // Flips a bit of the coefficient as the pass that runs multiplies by it.
   void flip_coefficient(int bit) { lanes_.coefficient() ^= std::int32_t{1} << bit; }
+  // The pass that runs aligns z by another shift.
+  void shift_z(int shift) { lanes_.shift_z(shift); }
   std::uint32_t pass_number() const { return lanes_.command().number; }
 
   // Where words are carried, what the blocks see at this edge: whether a product runs, and the node
@@ -113,6 +117,8 @@ class VectorUnit : public sc_core::sc_module {
   void drain_rows();
   std::span<ProductWords> rows_at(int rank);
   void address(bool starts);
+  void send_z(const Group& group, const LaneWords& from);
+  void write_z();
   void write_back();
   int bank(int node) const;
 
@@ -137,6 +143,16 @@ class VectorUnit : public sc_core::sc_module {
   // passes where bits of the memories may flip.
   bool carries_words_ = false;
   std::vector<std::int32_t> carried_;
+  std::vector<std::int32_t> carried_inverse_;  // nine words a node
+  int residual_memory_bits_ = 0;               // 0: those of a word
+  // Words of z on their way to the memory.
+  struct LateWords {
+    int left = 0;  // edges
+    int first = 0;
+    std::vector<std::int32_t> words;
+  };
+  int late_ = 0;
+  std::deque<LateWords> late_z_;
   std::vector<Carried> coefficients_;
   bool multiplies_ = false;
   int addressed_ = 0;

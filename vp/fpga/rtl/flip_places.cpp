@@ -38,6 +38,13 @@ void flip_bit(Cells cells, int entry, int bit) {
   cells.set_bits(entry, bit, 1, cells.bits(entry, bit, 1) ^ 1U);
 }
 
+// A word of so many bits in a memory that may be wider: the bits beyond repeat its sign.
+void flip_residual(Cells cells, int entry, int bit, int bits) {
+  const int count = bit == bits - 1 ? cells.width - bit : 1;
+  const std::uint32_t all = ~std::uint32_t{0} >> (32 - count);
+  cells.set_bits(entry, bit, count, cells.bits(entry, bit, count) ^ all);
+}
+
 // From this entry on.
 void clear(Cells cells, int first) {
   std::fill_n(cells.first + at(first) * at(cells.bytes), at(cells.count - first) * at(cells.bytes),
@@ -59,12 +66,17 @@ void RtlEngine::flip(const engine::Flip& f) {
   };
   switch (f.place) {
     case Place::x:
-    case Place::r:
-    case Place::b:
+    case Place::z:
     case Place::q:
     case Place::previous:
+    case Place::inverse:
       change(bank_of(f.node % size_.nodes_per_clock, f.component, name(f.place)), "cells",
              f.node / size_.nodes_per_clock, f.bit);
+      break;
+    case Place::r:
+    case Place::b:
+      flip_residual(model_->cells(bank_of(f.node % size_.nodes_per_clock, f.component, name(f.place)), "cells"),
+                    f.node / size_.nodes_per_clock, f.bit, settings_.residual_bits());
       break;
     case Place::d:
       change(copy_of(f.partition, f.component), "cells", f.node, f.bit);
@@ -85,9 +97,13 @@ void RtlEngine::flip(const engine::Flip& f) {
     case Place::last:
       index(owner + size_.node_bits + 2);
       break;
-    case Place::coefficient:
     case Place::r_r:
+      change(kSequencer, "z_r", 0, f.bit);
+      break;
+    case Place::coefficient:
     case Place::loops:
+    case Place::r_exponent:
+    case Place::d_exponent:
       change(kSequencer, name(f.place), 0, f.bit);
       break;
   }

@@ -143,7 +143,7 @@ void RtlComparison::flip(const engine::Flip& flip) {
   using Place = engine::FlipPlace;
   if (flip.place == Place::b && !b_.empty()) {
     std::int32_t& word = b_[3 * at(flip.node) + at(flip.component)];
-    word = static_cast<std::int32_t>(engine::flipped(word, flip.bit, rtl_.size().vector_bits));
+    word = static_cast<std::int32_t>(engine::flipped(word, flip.bit, settings_.residual_bits()));
     return;
   }
   if (flip.place >= Place::nodes && flip.place <= Place::last) index_flips_.push_back(flip);

@@ -74,17 +74,28 @@ module coefficient_unit
       .exponent(quotient_exponent)
   );
 
+  // The exponents of a division are taken at its start, like its other operands.
+  logic signed [E-1:0] first_exponent, quotient_unit, change_unit;
+  always_ff @(posedge clock) begin
+    if (divides) begin
+      first_exponent <= in_alpha ? '0 : d_exponent - z_exponent;
+      quotient_unit <= in_alpha ? d_exponent + q_exponent - scalar_exponent
+                                : scalar_exponent_before - scalar_exponent;
+      change_unit <= d_exponent - scalar_exponent + r_exponent;
+    end
+  end
+
   logic scales;
   always_ff @(posedge clock) begin
     scales <= divided && !holds && !reset;
     if (divided && !holds) begin
       if (in_alpha) begin
         alpha <= mantissa;
-        alpha_exponent <= quotient_exponent + d_exponent + q_exponent - scalar_exponent;
-        change_exponent <= quotient_exponent + d_exponent - scalar_exponent + r_exponent;
+        alpha_exponent <= quotient_exponent + quotient_unit;
+        change_exponent <= quotient_exponent + change_unit;
       end else begin
         beta <= mantissa;
-        beta_exponent <= quotient_exponent + scalar_exponent_before - scalar_exponent;
+        beta_exponent <= quotient_exponent + quotient_unit;
       end
     end
     if (clears_beta) begin
@@ -106,7 +117,7 @@ module coefficient_unit
       .start(scales),
       .wide(wide && in_alpha),
       .first(in_alpha ? largest_r : largest_z),
-      .first_exponent(in_alpha ? '0 : d_exponent - z_exponent),
+      .first_exponent,
       .mantissa(in_alpha ? alpha : beta),
       .largest(in_alpha ? largest_q : (ProductBits - 1)'(largest_d)),
       .second_exponent(in_alpha ? change_exponent : beta_exponent),

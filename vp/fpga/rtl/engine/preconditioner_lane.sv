@@ -2,7 +2,7 @@
 //
 // Ranks go on from those of vector_lane.sv: 11 r arrives, 12 |r| and the word of P^-1, 15 their
 // product, 18 z, 21 z * r. No z is beyond its word, since no word of P^-1 is longer than the bits that
-// z drops; no z * r is negative.
+// z drops, unless a bit of it has flipped: then it is clamped. No z * r is negative.
 `default_nettype none
 
 module preconditioner_lane
@@ -50,7 +50,7 @@ module preconditioner_lane
       .magnitude(product),
       .word(rounded)
   );
-  assign z_size = rounded[Bits-2:0];
+  assign z_size = rounded[Bits-1] ? '1 : rounded[Bits-2:0];
   assign z = negative[18] ? -{1'b0, z_size} : {1'b0, z_size};
   wide_multiplier #(
       .Bits(Bits - 1)
@@ -60,7 +60,7 @@ module preconditioner_lane
       .b(size[18]),
       .product(z_r)
   );
-  wire unused = &{1'b0, r_size[Bits-1], rounded[Bits-1]};
+  wire unused = &{1'b0, r_size[Bits-1]};
 
 endmodule
 
