@@ -58,6 +58,7 @@ void require_engine(const Scenario& s) {
   vp::require_rtl();
   within("accelerator", [&] { vp::require_rtl(s.accelerator); });
   within("solver", [&] { vp::require_rtl(s.solver); });
+  within("accelerator", [&] { vp::require_rtl(s.accelerator, s.solver); });
 }
 
 // Refuses transfer settings without a board, as nothing is transferred then.
@@ -106,6 +107,8 @@ void require_flip(const Scenario& s, const vp::engine::Flip& flip) {
                                   "\"jacobi-pcg\" or \"block-jacobi-pcg\"");
   }
   below("partition", flip.partition, s.accelerator.partitions);
+  below("copy", flip.copy,
+        s.accelerator.direction_memory == accel::DirectionMemory::two_copies ? 2 : 1);
   const int package = s.accelerator.package;
   below("column", flip.column,
         flip.place != Place::nodes ? package

@@ -171,6 +171,9 @@ void Fault::declare_flip(config::Visitor& v) {
                   index("partition", flip.partition, 1 << 10,
                         "of which partition; of d: of its copy; -1: drawn");
                 });
+  of_place.only({FlipPlace::d}, [&] {
+    index("copy", flip.copy, 1, "of which of the partition's copies, if it has two; -1: drawn");
+  });
   of_place.only(
       {FlipPlace::matrix, FlipPlace::nodes, FlipPlace::owner, FlipPlace::phase, FlipPlace::last},
       [&] {

@@ -97,9 +97,18 @@ class Flips {
   const Seen& seen(FlipPlace place) const { return seen_[static_cast<std::size_t>(place)]; }
 
  private:
+  // With turns the banks' order of a package is found when its index word is read ahead, and what
+  // enters behind a product's end meets the addresses of a pass.
+  bool compared(FlipPlace place) const {
+    const bool turns = size_.direction_memory != accel::DirectionMemory::double_pumped ||
+                       size_.direction_banks > 1 || size_.rows_in_parallel < 3;
+    return !turns || (place != FlipPlace::nodes && place != FlipPlace::phase &&
+                      place != FlipPlace::last);
+  }
+
   void load() {
     pair_.load(matrix_, settings_);
-    pair_.engine.carry_words(size_.preconditioner);
+    pair_.engine.carry_words();
     pair_.both.expect_flips();
     pair_.write_x(words(matrix_.rows(), size_.vector_bits, random_));
     clocks_ = 0;
@@ -145,7 +154,8 @@ class Flips {
     const std::vector<std::int32_t> b = words(matrix_.rows(), size_.vector_bits, random_);
     pair_.both.write_b(b);
     pair_.engine.write_b(b);
-    const auto place = static_cast<FlipPlace>(random_.below(engine::kFlipPlaces));
+    auto place = static_cast<FlipPlace>(random_.below(engine::kFlipPlaces));
+    while (!compared(place)) place = static_cast<FlipPlace>(random_.below(engine::kFlipPlaces));
     const Flip flip = random_flip(pair_.engine, place, random_);
     started_ = sc_core::sc_time_stamp();
     pair_.start(settings_);
@@ -193,10 +203,6 @@ class RtlFlips : public testing::TestWithParam<const EngineSize*> {};
 
 TEST_P(RtlFlips, LeaveBothEquallyWrong) {
   const EngineSize& size = *GetParam();
-  if (size.direction_memory != accel::DirectionMemory::double_pumped || size.direction_banks > 1 ||
-      size.rows_in_parallel < 3) {
-    GTEST_SKIP() << "packages take turns";
-  }
   const char* const wanted = std::getenv("HVP_RTL_SYSTEMS");
   const int systems = wanted == nullptr ? 150 : std::max(150, std::atoi(wanted));
   Flips flips(size, 11);

@@ -8,9 +8,8 @@
 
 namespace hvp::vp::engine {
 
-void VectorUnit::carry_words(bool wide, int late) {
+void VectorUnit::carry_words(int late) {
   carries_words_ = true;
-  residual_memory_bits_ = wide ? fixed::Settings::kProductBits : 0;
   late_ = late;
   carried_inverse_.resize(9 * at(architecture_.nodes_per_clock) * ranks_.size());
 }
@@ -62,7 +61,7 @@ void VectorUnit::carry() {
     if (carries_words_) {  // a copy and a guess have no more
       std::copy_n(m.b.begin() + static_cast<std::ptrdiff_t>(first), count, carried(slot, kB));
       take(m.z, kZ, fixed::Settings::kProductBits);
-      take(m.r, kR, std::max(residual_memory_bits_, settings.residual_bits()));
+      take(m.r, kR, settings.residual_bits());
       // b − q is formed of the word itself.
       const bool residual = lanes_.command().pass == Pass::residual;
       take(m.q, kQ, residual ? 64 : fixed::Settings::kProductBits);

@@ -37,11 +37,11 @@ class CarriedWords {
     ranks_.advance();
     package_[ranks_.entering()].valid = false;
   }
-  // A package enters. Behind a product's end the copy of d gives it the `addressed`
-  // nodes of a pass, from the first of them on; −1: the product runs.
-  void enter(int package, int addressed);
-  // The words of the package that has come to its memories' rank.
-  void read(std::span<const std::int32_t> nonzeros, const DirectionCopies& vector, int copy);
+  // A package has a turn, and enters with its last one. Behind a product's end the copy of d gives
+  // it the `addressed` nodes of a pass, from the first of them on; −1: the product runs.
+  void enter(int package, int turn, bool last_turn, int addressed);
+  // The words of the turn that has come to its memories' rank.
+  void read(std::span<const std::int32_t> nonzeros, const DirectionCopies& vector, int partition);
   // The package behind the adder trees is accumulated; true if it has ended a row.
   bool accumulate();
   // That row.
@@ -60,13 +60,27 @@ class CarriedWords {
   struct Package {
     bool valid = false;
     int number = 0;
+    int turn = 0;
+    bool last_turn = false;
     IndexWord index;
     std::vector<int> read;  // the nodes that are read of d
+    std::array<bool, 3> multiplied{};  // its rows
     std::array<std::int64_t, 3> sum{};
     std::array<bool, 3> caught{};  // the components of the row's own node that are in it
     std::array<std::int32_t, 3> own{};
   };
 
+  // How a package's word of d is read, by node and component.
+  struct Read {
+    int turn = 0;
+    int copy = 0;
+  };
+  std::vector<Read> reads_of(const IndexWord& index) const;
+
+  accel::Architecture architecture_;
+  bool rows_take_turns_;  // with d read anew for each
+  std::vector<Read> reads_;          // of all packages
+  std::vector<std::int32_t> kept_;   // of the package that is served: the words of its turns
   int read_rank_;
   int sum_rank_;
   int columns_;  // of a package

@@ -256,6 +256,7 @@ void CycleEngine::abort() {
   // The words on their way into the copies arrive, as nothing stops them there; the next matrix has
   // its own.
   direction_.clocked(vectors_.direction_write.next());
+  direction_.clocked(vectors_.direction_write.next());
   for (const auto& block : blocks_) block->reset();
 }
 

@@ -65,9 +65,8 @@ class CycleEngine : public sc_core::sc_module {
   void forget_previous() { has_previous_ = false; }
 
   // From now on bits of its memories and registers may flip, which costs wall time: its pipelines
-  // carry the words that they have read. To be called while no solve runs. An engine that has a
-  // preconditioner's lanes has wide memories and late sums without using them, too.
-  void carry_words(bool has_preconditioner = true);
+  // carry the words that they have read. To be called while no solve runs.
+  void carry_words();
   bool carries_words() const { return carries_words_; }
   // How many values an index of a flip has, of which those before it are chosen; 0: there is no
   // such word.

@@ -12,19 +12,36 @@ namespace hvp::vp::engine {
 void DirectionCopies::load(int nodes) {
   words_.assign(3 * at(nodes), 0);
   deviations_.clear();
+  waiting_.count = 0;
   operand_.narrow.assign(4 * at(nodes), 0);
   operand_is_new_ = false;
 }
 
+void DirectionCopies::carry_words(accel::DirectionMemory memory) {
+  late_ = memory != accel::DirectionMemory::double_pumped;
+  copies_ = memory == accel::DirectionMemory::two_copies ? 2 : 1;
+}
+
 void DirectionCopies::clocked(const DirectionWrite& write) {
+  if (waiting_.count > 0) this->write(waiting_.first, waiting_.count, waiting_words_.data());
+  waiting_.count = 0;
   if (write.number == written_) return;
   written_ = write.number;
-  std::copy_n(write.words, 3 * write.count, words_.begin() + 3 * write.first);
+  if (!late_) {
+    this->write(write.first, write.count, write.words);
+    return;
+  }
+  waiting_ = write;
+  waiting_words_.assign(write.words, write.words + 3 * at(write.count));
+}
+
+void DirectionCopies::write(int first, int count, const std::int32_t* words) {
+  std::copy_n(words, 3 * count, words_.begin() + 3 * first);
   operand_is_new_ = false;
   if (deviations_.empty()) return;
-  const std::size_t first = 3 * at(write.first);
+  const std::size_t place = 3 * at(first);
   std::erase_if(deviations_, [&](const Deviation& d) {
-    return d.place >= first && d.place < first + 3 * at(write.count);
+    return d.place >= place && d.place < place + 3 * at(count);
   });
 }
 

@@ -3,6 +3,8 @@
 #include <cstdint>
 #include <vector>
 
+#include "models/accel/architecture.h"
+
 namespace hvp::vp::engine {
 
 // The nodes of a vector that are written into the copies at one edge.
@@ -23,6 +25,11 @@ class DirectionCopies {
   // The copies' second ports, at an edge: nodes that the vector unit has written at the edge
   // before.
   void clocked(const DirectionWrite& write);
+  // From now on bits may flip. A memory whose ports serve both reads and writes has a register in
+  // front of them and writes an edge later, which shows by nothing else.
+  void carry_words(accel::DirectionMemory memory);
+  int copies_in_partition() const { return copies_; }
+  int copy(int partition, int number) const { return copies_ * partition + number; }
 
   // Three a node, without what has flipped.
   const std::vector<std::int32_t>& words() const { return words_; }
@@ -47,7 +54,14 @@ class DirectionCopies {
     std::int32_t word = 0;
   };
 
+  void write(int first, int count, const std::int32_t* words);
+
   std::vector<std::int32_t> words_;
+  int copies_ = 1;  // in a partition
+  bool late_ = false;
+  // What is written with the next edge.
+  DirectionWrite waiting_;
+  std::vector<std::int32_t> waiting_words_;
   std::vector<Deviation> deviations_;
   Operand operand_;
   bool operand_is_new_ = false;  // made since a word was written

@@ -8,14 +8,14 @@
 
 namespace hvp::vp::engine {
 
-void CycleEngine::carry_words(bool has_preconditioner) {
+void CycleEngine::carry_words() {
   if (carries_words_) return;
   carries_words_ = true;
   const int written = architecture_.phase_clocks() - 1 - architecture_.adder_tree_clocks;
-  // zᵀr is there behind the words of z, as rᵀr is in an engine that has the lanes for them.
-  const int late =
-      has_preconditioner ? std::max(0, kPreconditionedRank - written) : 0;
-  vectors_.carry_words(has_preconditioner, late);
+  // With a preconditioner zᵀr is there behind the words of z.
+  const int late = std::max(0, kPreconditionedRank - written);
+  vectors_.carry_words(late);
+  direction_.carry_words(architecture_.direction_memory);
   sequencer_.sum_late(late);
   if (!layout_) return;
   for (const auto& block : blocks_) block->carry_words();
@@ -62,6 +62,7 @@ int CycleEngine::word_bits(FlipPlace place) const {
 int CycleEngine::flip_range(const Flip& flip, int Flip::*index) const {
   if (!layout_ || layout_->nodes() == 0) return 0;
   if (index == &Flip::partition) return architecture_.partitions;
+  if (index == &Flip::copy) return direction_.copies_in_partition();
   if (index == &Flip::node) return layout_->nodes();
   if (index == &Flip::package) return layout_->partitions()[at(flip.partition)].packages();
   if (index == &Flip::component || index == &Flip::row) return 3;
@@ -114,7 +115,7 @@ void CycleEngine::flip(const Flip& f) {
       break;
     }
     case FlipPlace::d:
-      direction_.flip(f.partition, f.node, f.component, f.bit, bits);
+      direction_.flip(direction_.copy(f.partition, f.copy), f.node, f.component, f.bit, bits);
       break;
     case FlipPlace::matrix:
       change(blocks_[at(f.partition)]->package_words(

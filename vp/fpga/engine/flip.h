@@ -47,6 +47,7 @@ inline constexpr int kExponentBits = 16;
 struct Flip {
   FlipPlace place = FlipPlace::x;
   int partition = -1;  // d, matrix, the index words
+  int copy = -1;       // d: of those that the partition has
   int node = -1;       // vectors, d
   int component = -1;  // 0 to 2
   int package = -1;    // matrix, index words: its number in the partition
@@ -62,7 +63,8 @@ struct FlipIndex {
   const char* key;
   int Flip::*index;
 };
-inline constexpr std::array<FlipIndex, 7> kFlipIndices = {{{"partition", &Flip::partition},
+inline constexpr std::array<FlipIndex, 8> kFlipIndices = {{{"partition", &Flip::partition},
+                                                           {"copy", &Flip::copy},
                                                            {"node", &Flip::node},
                                                            {"component", &Flip::component},
                                                            {"package", &Flip::package},
@@ -75,6 +77,7 @@ constexpr bool has_index(FlipPlace place, int Flip::*index) {
   const bool vector = place <= FlipPlace::d;
   const bool package = place >= FlipPlace::matrix && place <= FlipPlace::last;
   if (index == &Flip::partition) return package || place == FlipPlace::d;
+  if (index == &Flip::copy) return place == FlipPlace::d;
   if (index == &Flip::node || index == &Flip::component) return vector;
   if (index == &Flip::package) return package;
   if (index == &Flip::row) return place == FlipPlace::matrix;

@@ -59,6 +59,7 @@ void Sequencer::start(const fixed::Settings& settings, int inverse_shift, bool h
   enter(State::idle);
   state_clocks_ = {};
   loops_ = 0;
+  late_ = settings.preconditioned() ? late_sums_ : 0;
   late_left_ = 0;
   operands_left_ = 0;
   hold_ = false;

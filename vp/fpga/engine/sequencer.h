@@ -79,8 +79,8 @@ class Sequencer : public sc_core::sc_module {
   // Aborts a solve or a copy.
   void abort();
 
-  // From now on zᵀr is in its register so many clocks behind the pass that makes it.
-  void sum_late(int clocks) { late_ = clocks; }
+  // From now on a preconditioner's zᵀr is in its register so many clocks behind its pass.
+  void sum_late(int clocks) { late_sums_ = clocks; }
   // A bit of a register, of so many, has flipped.
   void flip_r_r(int bit);
   void flip_exponent(FlipPlace place, int bit);
@@ -129,7 +129,8 @@ class Sequencer : public sc_core::sc_module {
 
   State state_ = State::idle;
   StateClocks state_clocks_{};
-  int late_ = 0;
+  int late_sums_ = 0;
+  int late_ = 0;  // those of this solve
   int operands_left_ = 0;  // clocks until a division has its operands
   // The exponents of a quotient, and of α·q in units of r, less that of the mantissa.
   int quotient_unit_ = 0;

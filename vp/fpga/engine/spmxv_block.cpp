@@ -122,7 +122,7 @@ void SpmxvBlock::clock_carried() {
 // As issue(), by the index word as it is now.
 void SpmxvBlock::issue_carried() {
   if (served_ + 1 < partition_->clocks[at(position_)]) {
-    ++served_;
+    carried_->enter(position_, served_++, false, addressed_);
     ++bank_stalls_;
     return;
   }
@@ -133,7 +133,7 @@ void SpmxvBlock::issue_carried() {
     }
     ++issued_rows_;
   }
-  carried_->enter(position_, addressed_);
+  carried_->enter(position_, served_, true, addressed_);
   served_ = 0;
   if (++position_ == partition_->packages()) {
     position_ = 0;

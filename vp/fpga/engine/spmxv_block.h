@@ -76,8 +76,9 @@ class SpmxvBlock : public sc_core::sc_module {
     return &direction()[3 * static_cast<std::size_t>(node)];
   }
   const std::vector<std::int32_t>& direction() const { return direction_.words(); }
-  std::int32_t direction_word(int node, int component) const {
-    return direction_.word(number_, node, component);
+  // Of one of its copies.
+  std::int32_t direction_word(int node, int component, int copy = 0) const {
+    return direction_.word(direction_.copy(number_, copy), node, component);
   }
   const RowResult& result(std::uint32_t number) const { return queue_[number % queue_.size()]; }
   // The places of the result memory, which the rows take in turn from 0 on.

@@ -51,10 +51,10 @@ class VectorUnit : public sc_core::sc_module {
   }
   // The clamped and wrapped words and the flags since it was cleared.
   fixed::Report& report() { return lanes_.report(); }
-  // From now on the ranks carry their words, since bits of the memories may flip: r and z
-  // lie in memories of 32 bits if these are `wide`, and z is written `late` clocks behind r. To be called
+  // From now on the ranks carry their words, since bits of the memories may flip; z
+  // is written `late` clocks behind r. To be called
   // while no solve runs.
-  void carry_words(bool wide, int late);
+  void carry_words(int late);
   // Flips a bit of the coefficient as the pass that runs multiplies by it.
   void flip_coefficient(int bit) { lanes_.coefficient() ^= std::int32_t{1} << bit; }
   // The pass that runs aligns z by another shift.
@@ -144,7 +144,6 @@ class VectorUnit : public sc_core::sc_module {
   bool carries_words_ = false;
   std::vector<std::int32_t> carried_;
   std::vector<std::int32_t> carried_inverse_;  // nine words a node
-  int residual_memory_bits_ = 0;               // 0: those of a word
   // Words of z on their way to the memory.
   struct LateWords {
     int left = 0;  // edges

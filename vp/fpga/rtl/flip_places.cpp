@@ -18,20 +18,12 @@ std::string indexed(const std::string& name, int index) {
 
 std::string partition_of(int number) { return indexed("matrix.g_partition", number) + ".spmxv"; }
 
-// A partition's copy of a component of d, in its only bank.
-std::string copy_of(int partition, int component) {
-  return partition_of(partition) + "." + indexed("g_component", component) +
-         ".copy.g_bank[0].bank.g_double_pumped.memory";
-}
-
 // The memory of one component of a vector in the lane.
 std::string bank_of(int lane, int component, const std::string& vector) {
   return "vectors." + indexed("g_lane", lane) + "." + indexed("g_component", component) +
          ".component.bank." + vector + "_memory";
 }
 
-// A memory at twice the clock serves so many nodes.
-constexpr int kPumpedAccesses = 4;
 constexpr const char* kSequencer = "sequence_of_passes";
 
 void flip_bit(Cells cells, int entry, int bit) {
@@ -78,9 +70,13 @@ void RtlEngine::flip(const engine::Flip& f) {
       flip_residual(model_->cells(bank_of(f.node % size_.nodes_per_clock, f.component, name(f.place)), "cells"),
                     f.node / size_.nodes_per_clock, f.bit, settings_.residual_bits());
       break;
-    case Place::d:
-      change(copy_of(f.partition, f.component), "cells", f.node, f.bit);
+    case Place::d: {
+      const int copy = memories_.copies_in_partition() * f.partition + f.copy;
+      const auto word = engine::flipped(memories_.word(Vector::d, f.node, f.component, copy), f.bit,
+                                        size_.vector_bits);
+      memories_.set_word(Vector::d, f.node, f.component, static_cast<std::int32_t>(word), copy);
       break;
+    }
     case Place::matrix:
       change(partition_of(f.partition) + "." + indexed("g_row", f.row), "nonzeros", f.package,
              f.column * size_.matrix_bits + f.bit);
@@ -128,12 +124,6 @@ void RtlEngine::flip_index(int partition, int package, int bit) {
 }
 
 void RtlEngine::expect_flips() {
-  // Where a package takes turns, the words of the earlier ones are read before the last one's.
-  const int nodes = nodes_in_package();
-  if (size_.rows_in_parallel != 3 || size_.direction_banks != 1 || nodes > kPumpedAccesses ||
-      size_.direction_memory != accel::DirectionMemory::double_pumped) {
-    throw std::logic_error("bits do not flip in an RTL engine whose packages take turns");
-  }
   if (!expects_flips_ && !has_solved_) clear_q();
   expects_flips_ = true;
 }
@@ -151,7 +141,11 @@ void RtlEngine::clear_q() {
 // device is configured. Only in simulation they begin with random values.
 void RtlEngine::clear_unused() {
   for (int c = 0; c < 3; ++c) {
-    for (int p = 0; p < size_.partitions; ++p) clear(model_->cells(copy_of(p, c), "cells"), nodes_);
+    for (int copy = 0; copy < memories_.copies(Vector::d); ++copy) {
+      for (int node = nodes_; node < 1 << size_.node_bits; ++node) {
+        memories_.set_word(Vector::d, node, c, 0, copy);
+      }
+    }
     for (int lane = 0; lane < size_.nodes_per_clock; ++lane) {
       const int used = (nodes_ - lane + size_.nodes_per_clock - 1) / size_.nodes_per_clock;
       clear(model_->cells(bank_of(lane, c, "b"), "cells"), used);

@@ -194,7 +194,8 @@ void RtlComparison::compare_direction() {
   for (int copy = 0; copy < rtl_.memories().copies(Vector::d); ++copy) {
     const engine::SpmxvBlock& block = engine_.block(copy / copies);
     for (std::size_t i = 0; i < words.size(); ++i) {
-      words[i] = block.direction_word(static_cast<int>(i) / 3, static_cast<int>(i) % 3);
+      words[i] =
+          block.direction_word(static_cast<int>(i) / 3, static_cast<int>(i) % 3, copy % copies);
     }
     compare_copy(Vector::d, copy, words);
   }

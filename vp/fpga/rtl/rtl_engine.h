@@ -61,7 +61,7 @@ class RtlEngine {
   void run_copy_until(std::int64_t clocks);
   void end_copy();
   // From now on bits may flip: what nothing else reads before it is written begins as in the
-  // cycle-accurate engine. Throws std::logic_error for a size whose packages take turns.
+  // cycle-accurate engine.
   void expect_flips();
   // Flips a bit of a memory or register.
   void flip(const engine::Flip& flip);

@@ -4,7 +4,7 @@
 // It acts at the clock in which a unit says that it is done: the next unit begins with the clock
 // after. A division takes DivisionClocks from the clock in which its operands are there to the one
 // in which the next pass is ordered: the divider and then the scaler work within them. Of a pass that
-// makes r, z.r and the size of z may be LateSums clocks behind its end; they work that much later.
+// makes z, z.r and its size may be LateSums clocks behind its end; they work that much later.
 `default_nettype none
 
 module sequencer
@@ -252,12 +252,13 @@ module sequencer
   end else begin : g_late
     logic [LateSums-1:0] late;
     always_ff @(posedge clock) late <= reset ? '0 : LateSums'({late, done && forms_r});
-    assign sums_made = late[LateSums-1];
+    assign sums_made = preconditions ? late[LateSums-1] : done && forms_r;
   end
   // Behind the start's residual stands the first direction, which may have begun: its d waits for
   // the shift up to rank 6.
   logic starting;
-  wire takes_first = LateSums == 0 ? state == InStartResidual : starting;
+  wire takes_first =
+      LateSums == 0 || !preconditions ? state == InStartResidual : starting;
 
   wire [15:0] loops_now = state == InDirection ? loops + 1'b1 : loops;
 

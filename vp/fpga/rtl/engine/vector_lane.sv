@@ -108,7 +108,7 @@ module vector_lane
   wire [Q-1:0] q_size = q[Q-1] ? -q : q;
   always_ff @(posedge clock) begin
     size_d3 <= d_size[V-2:0];
-    size_r3 <= r_size[R-2:0];
+    size_r3 <= wide ? r_size[R-2:0] : (R - 1)'(r_size[V-2:0]);
     size_q3 <= q_size[Q-2:0];
     factor3 <= is_product ? FactorBits'(d_size[V-2:0]) : FactorBits'(coefficient);
     d_negative3 <= d[V-1];
