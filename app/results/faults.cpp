@@ -81,8 +81,8 @@ Flips::Flips(const std::vector<vp::FaultRecord>& faults) {
   for (const vp::FaultRecord& r : faults) {
     if (r.fault.kind != vp::FaultKind::flip) continue;
     const vp::FlipEffect& e = r.effect;
-    if (made == 0 && r.injected > 0) first = place_text(e);
-    made += r.injected;
+    if (first.empty() && r.injected > 0) first = place_text(e);
+    made += e.flipped;
     noticed += r.noticed;
     wrong += e.wrong;
     told += e.told;
@@ -138,6 +138,9 @@ std::string_view remedy(hvp_status status) {
 void flip_text(Out out, const vp::FaultRecord& r) {
   const vp::FlipEffect& e = r.effect;
   fmt::format_to(out, "; the first of {}", place_text(e));
+  if (e.flipped < r.injected) {
+    fmt::format_to(out, "; {} behind the end of the run", r.injected - e.flipped);
+  }
   if (e.wrong == 0) {
     fmt::format_to(out, "; no solution had other words");
     return;

@@ -78,8 +78,13 @@ bool Outcome::faults_happened() const {
          servo.mended.lost_interrupts + servo.mended.lost_acknowledgements > 0;
 }
 
+bool Outcome::solutions_were_wrong() const {
+  return std::ranges::any_of(faults, [](const auto& r) { return r.effect.wrong > 0; });
+}
+
 std::string_view Outcome::verdict_word() const {
   if (partial()) return "held so far";
+  if (solutions_were_wrong()) return "held, with wrong solutions";
   if (!flags.empty()) return "held, with flags";
   if (faults_happened()) return "held, with faults";
   if (scene.timing_only) return "PASS, timing only";

@@ -116,6 +116,8 @@ struct Outcome {
   bool accuracy_measured() const;
   // True if anything was injected, or the driver had trouble of any kind.
   bool faults_happened() const;
+  // True if a bit that flipped gave solutions other words, whoever noticed.
+  bool solutions_were_wrong() const;
   // The name of the verdict on a run that meets its budgets. "PASS" alone is said of a run in which
   // everything that the word covers was measured: without flags and faults, with numbers, with a
   // contact, and beside a reference.

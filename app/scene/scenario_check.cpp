@@ -86,6 +86,32 @@ void require_within(const Scenario& s, const vp::Fault& fault) {
   }
 }
 
+// Refuses flips with which both engines of the level rtl are not held together (docs/rtl.md).
+void require_compared(const Scenario& s, const vp::engine::Flip& flip) {
+  if (s.fidelity.accelerator != vp::Timing::rtl) return;
+  using Place = vp::engine::FlipPlace;
+  const accel::Architecture& a = s.accelerator;
+  const int nodes = a.package % 3 == 0 ? a.package / 3 : (a.package + 1) / 3 + 1;
+  const bool turns = a.direction_memory != accel::DirectionMemory::double_pumped ||
+                     a.direction_banks > 1 || a.rows_in_parallel < 3 ||
+                     nodes > a.direction_accesses();
+  if (turns && (flip.place == Place::nodes || flip.place == Place::phase ||
+                flip.place == Place::last)) {
+    throw InputError("place", std::string(name(flip.place)) +
+                                  " is not compared at the level rtl where packages take turns at "
+                                  "the memories of d: expected another place, or "
+                                  "fidelity.accelerator = \"cycle-accurate\"");
+  }
+  if (s.solver.preconditioned() && a.phase_clocks() > vp::engine::kLongestPass) {
+    throw InputError("kind", "flip is not compared at the level rtl with a preconditioner and " +
+                                 std::to_string(a.phase_clocks()) +
+                                 " clocks of a pass: expected accelerator.pipeline_clocks of at "
+                                 "most " +
+                                 std::to_string(vp::engine::kLongestPass) +
+                                 ", or fidelity.accelerator = \"cycle-accurate\"");
+  }
+}
+
 // Refuses bits that no engine of this architecture has; what depends on the mesh is found when the
 // fault strikes.
 void require_flip(const Scenario& s, const vp::engine::Flip& flip) {
@@ -100,6 +126,7 @@ void require_flip(const Scenario& s, const vp::engine::Flip& flip) {
     if (found < limit) return;
     throw InputError(key, std::to_string(found) + ": expected less than " + std::to_string(limit));
   };
+  require_compared(s, flip);
   using Place = vp::engine::FlipPlace;
   if ((flip.place == Place::z || flip.place == Place::inverse) && !s.solver.preconditioned()) {
     throw InputError("place", std::string(name(flip.place)) +

@@ -122,7 +122,71 @@ TEST(Flips, ABitThatTheEngineDoesNotHaveDoesNotFlip) {
   const FaultRecord& record = run.platform.faults()->records().front();
   EXPECT_EQ(record.injected, 0);
   EXPECT_EQ(record.why_not(kFrames),
-            "in frame 25 no solve was started, or the engine had no such bit");
+            "the engine has no such bit: node is 48, expected less than 48");
+}
+
+TEST(Flips, AClockBehindTheEndOfTheRunIsNotMade) {
+  SmallScene scene;
+  prepare(scene, {flip_at(1'000'000'000,
+                          {.place = FlipPlace::x, .node = 4, .component = 0, .bit = 0})});
+  const Simulated run(scene);
+  const FaultRecord& record = run.platform.faults()->records().front();
+  EXPECT_EQ(record.injected, 1);
+  EXPECT_EQ(record.effect.flipped, 0);
+  EXPECT_EQ(record.effect.wrong, 0);
+}
+
+// The objects and events of all modules and processes that are there for flips.
+int count_of_flips(const std::vector<sc_core::sc_object*>& objects) {
+  int count = 0;
+  for (const sc_core::sc_object* object : objects) {
+    if (std::string(object->basename()) == "flips") ++count;
+    for (const sc_core::sc_event* event : object->get_child_events()) {
+      if (std::string(event->basename()) == "flip_due") ++count;
+    }
+    count += count_of_flips(object->get_child_objects());
+  }
+  return count;
+}
+
+TEST(Flips, WithoutOneThereIsNoProcessAndNoEvent) {
+  SmallScene scene;
+  prepare(scene, {});
+  const Simulated run(scene);
+  EXPECT_EQ(count_of_flips(sc_core::sc_get_top_level_objects()), 0);
+  EXPECT_FALSE(run.platform.accelerator().engine()->carries_words());
+}
+
+TEST(Flips, WithSomeThereIsOneProcessAndOneEvent) {
+  SmallScene scene;
+  Fault fault = flip_at(kAmid, {.place = FlipPlace::q});
+  fault.count = 3;
+  prepare(scene, {fault});
+  const Simulated run(scene);
+  EXPECT_EQ(count_of_flips(sc_core::sc_get_top_level_objects()), 2);
+  EXPECT_TRUE(run.platform.accelerator().engine()->carries_words());
+}
+
+// Behind the job's end and before the host has read it, a word of U is another one in that frame's
+// force; a clock later than any read it is nobody's.
+TEST(Flips, AWordOfUIsWrongOnceItIsRead) {
+  const std::int64_t clocks = std::stoll(test::output_of_child([](std::string& text) {
+    SmallScene scene;
+    prepare(scene, {});
+    const Simulated run(scene);
+    text = std::to_string(run.platform.accelerator().longest_solve()->clocks);
+  }));
+  const auto wrong_at = [clocks](std::int64_t behind) {
+    return test::output_of_child([clocks, behind](std::string& out) {
+      SmallScene scene;
+      prepare(scene, {flip_at(clocks + behind,
+                              {.place = FlipPlace::x, .node = 44, .component = 2, .bit = 12})});
+      const Simulated run(scene);
+      out = std::to_string(run.platform.faults()->records().front().effect.wrong);
+    });
+  };
+  EXPECT_EQ(wrong_at(3), "1");
+  EXPECT_EQ(wrong_at(100'000), "0");
 }
 
 // Drawn places and clocks, a frame each: the same forces and the same record at both levels.

@@ -247,7 +247,7 @@ std::string_view missing_in_frame(const Fault& fault) {
     case FaultKind::function_level_reset:
       return "no solve was started";
     case FaultKind::flip:
-      return "no solve was started, or the engine had no such bit";
+      return "no solve was started";
     case FaultKind::master_abort:
     case FaultKind::corrupted_word:
     case FaultKind::surprise_removal:
@@ -272,6 +272,7 @@ std::int64_t FaultRecord::missing() const {
 
 std::string FaultRecord::why_not(std::int64_t frames) const {
   if (injected > 0) return {};
+  if (!effect.lacking.empty()) return "the engine has no such bit: " + effect.lacking;
   if (fault.comes_next()) {
     return fmt::format(
         "it was asked for after {} frame{}, and since then {} that no other fault took",

@@ -88,6 +88,8 @@ struct FlipEffect {
   std::int64_t told = 0;  // of these jobs those whose flags tell of it
   engine::Flip flip;      // the first one, with all that was chosen
   std::int64_t clock = -1;
+  std::int64_t flipped = 0;  // of those injected; the others lie behind the end of the run
+  std::string lacking;       // why the engine has no such bit: "node is 48, expected less than 48"
 };
 
 // The outcome of one item of [[fault]].

@@ -138,6 +138,7 @@ void Accelerator::answer(tlm::tlm_generic_payload& transaction, sc_core::sc_time
   const AccessResult outcome =
       command == Command::read ? bank_.read(offset, data) : bank_.write(offset, data);
   transaction.set_response_status(response(outcome.access));
+  if (command == Command::read && outcome.ok()) note_read(offset, data.size());
   if (observer_ != nullptr) observer_->access(now_ps(), command, bank_, outcome, offset, data);
   if (!outcome.ok()) {
     ++illegal_accesses_;
@@ -298,7 +299,7 @@ void Accelerator::renew(const fixed::Settings& settings, const Tag& tag) {
     }
   }
   timing_->renew(matrix_, settings);
-  flipped_ = nullptr;
+  forget_flips();
   if (solver_ != nullptr) solver_->load(matrix_);
   has_previous_u_ = false;
   give_x();
@@ -310,7 +311,7 @@ void Accelerator::renew(const fixed::Settings& settings, const Tag& tag) {
 bool Accelerator::load_memories(const fixed::Settings& settings) {
   try {
     timing_->load(matrix_, settings);
-    flipped_ = nullptr;
+    forget_flips();
     return true;
   } catch (const InputError& e) {
     spdlog::warn("the board cannot hold the matrix: {}", e.what());

@@ -147,9 +147,16 @@ class Accelerator : public sc_core::sc_module, private ListOwner {
   void plan_flips();
   void expect_flips();
   void await_flip();
+  // The memories are filled anew.
+  void forget_flips() {
+    flipped_ = nullptr;
+    unread_flip_.reset();
+  }
   bool complete(engine::Flip& flip, const Fault& fault);
   void make_flips();
   void flip_bit(const engine::Flip& flip);
+  void note_read(std::uint64_t offset, std::size_t bytes);
+  void note_wrong(double error);
   void take_flipped_words();
   bool supported(const fixed::Settings& settings);
   void form_guess(fixed::Start start);
@@ -179,6 +186,12 @@ class Accelerator : public sc_core::sc_module, private ListOwner {
     sc_core::sc_event due{"flip_due"};
   };
   std::unique_ptr<PlannedFlips> planned_flips_;  // null before the first flip
+  // A word of U that has flipped behind its job and has not been read since.
+  struct UnreadFlip {
+    std::uint64_t offset = 0;
+    double error = 0;
+  };
+  std::optional<UnreadFlip> unread_flip_;
   const Fault* flipped_ = nullptr;  // the newest one since the memories were filled
 
   RegisterBank bank_;

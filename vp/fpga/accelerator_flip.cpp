@@ -1,6 +1,9 @@
 // Bits of the engine's memories and registers that flip, and what comes of them.
 #include <algorithm>
 #include <cstdlib>
+#include <string>
+#include <utility>
+#include <vector>
 
 #include "models/accel/board.h"
 #include "models/index.h"
@@ -13,6 +16,7 @@ namespace hvp::vp {
 // The flips of the job that starts now, each half a clock behind its edge. From the first one on
 // the engine's pipelines carry their words.
 void Accelerator::plan_flips() {
+  unread_flip_.reset();
   if (faults_ == nullptr) return;
   while (const Fault* const fault = faults_->strike(FaultKind::flip, frame_)) {
     engine::Flip flip = fault->flip;
@@ -72,7 +76,13 @@ bool Accelerator::complete(engine::Flip& flip, const Fault& fault) {
     if (chosen < 0 && range > 0) {
       chosen = static_cast<int>(faults_->choose(fault, frame_, number, range));
     }
-    if (chosen < 0 || chosen >= range) return false;
+    if (chosen < 0 || chosen >= range) {
+      faults_->effect(fault).lacking =
+          range == 0 ? std::string("there is no ") + index.key
+                     : std::string(index.key) + " is " + std::to_string(chosen) +
+                           ", expected less than " + std::to_string(range);
+      return false;
+    }
   }
   return true;
 }
@@ -83,12 +93,14 @@ void Accelerator::make_flips() {
     const PlannedFlip planned = next.front();
     next.pop_front();
     flipped_ = planned.fault;
+    ++faults_->effect(*flipped_).flipped;
     flip_bit(planned.flip);
   }
   await_flip();
 }
 
-// What software reads as U is the engine's x, while no job makes another one.
+// What software reads as U is the engine's x, while no job makes another one. That counts as wrong
+// once it is read.
 void Accelerator::flip_bit(const engine::Flip& flip) {
   timing_->flip(flip);
   if (flip.place != engine::FlipPlace::x || running_ == Running::solve) return;
@@ -96,10 +108,32 @@ void Accelerator::flip_bit(const engine::Flip& flip) {
   const std::size_t place = 3 * at(flip.node) + at(flip.component);
   const std::span<std::uint32_t> words = bank_.memory(Aperture::u);
   const std::int32_t word = packed_element(words, place, bits, one_a_word());
-  set_packed_element(
-      words, place, bits,
-      static_cast<std::int32_t>(engine::flipped(word, flip.bit, static_cast<int>(bits))),
-      one_a_word());
+  const auto other =
+      static_cast<std::int32_t>(engine::flipped(word, flip.bit, static_cast<int>(bits)));
+  const std::vector<std::uint32_t> before(words.begin(), words.end());
+  set_packed_element(words, place, bits, other, one_a_word());
+  const auto changed = std::ranges::mismatch(words, before).in1 - words.begin();
+  unread_flip_ = UnreadFlip{offset_of(Aperture::u) + 4 * static_cast<std::uint64_t>(changed),
+                            std::abs(static_cast<double>(other) - word)};
+  // A DMA engine moves U before it tells of the job's end.
+  if (bank_.get(field::kStatusBusy) != 0) note_wrong(std::exchange(unread_flip_, {})->error);
+}
+
+void Accelerator::note_read(std::uint64_t offset, std::size_t bytes) {
+  if (!unread_flip_ || unread_flip_->offset < offset || unread_flip_->offset >= offset + bytes) {
+    return;
+  }
+  note_wrong(std::exchange(unread_flip_, {})->error);
+}
+
+// A solution had words with at most this error.
+void Accelerator::note_wrong(double error) {
+  FlipEffect& effect = faults_->effect(*flipped_);
+  ++effect.wrong;
+  effect.last_wrong_frame = job_tag_.frame;
+  double size = 1;
+  for (const std::int32_t word : u_) size = std::max(size, std::abs(static_cast<double>(word)));
+  effect.worst = std::max(effect.worst, error / size);
 }
 
 // The engine's words and report count, and those of the solver, which has begun with the same U and

@@ -82,6 +82,8 @@ TEST(VerdictWord, IsMovedByEveryFigureThatItUses) {
       {"a flag", [](Outcome& o) { o.flags.raise(stability::Flag::low_gain_margin); },
        "held, with flags"},
       {"a fault", [](Outcome& o) { o.faults.emplace_back().injected = 1; }, "held, with faults"},
+      {"a wrong solution", [](Outcome& o) { o.faults.emplace_back().effect.wrong = 1; },
+       "held, with wrong solutions"},
       {"the driver's error", [](Outcome& o) { o.servo.errors.front().count = 1; },
        "held, with faults"},
       {"a lost interrupt", [](Outcome& o) { o.servo.mended.lost_interrupts = 1; },

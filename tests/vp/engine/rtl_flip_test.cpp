@@ -27,7 +27,7 @@ constexpr std::int64_t kNoEnd = 60'000;  // clocks
 
 // Of a longer pass z is written before r: the cycle-accurate engine makes both at once.
 bool preconditions(const EngineSize& size) {
-  return size.preconditioner && size.phase_clocks <= 24;
+  return size.preconditioner && size.phase_clocks <= engine::kLongestPass;
 }
 
 Settings random_settings(const EngineSize& size, Random& random) {
@@ -96,7 +96,6 @@ class Flips {
   }
   const Seen& seen(FlipPlace place) const { return seen_[static_cast<std::size_t>(place)]; }
 
- private:
   // With turns the banks' order of a package is found when its index word is read ahead, and what
   // enters behind a product's end meets the addresses of a pass.
   bool compared(FlipPlace place) const {
@@ -106,6 +105,7 @@ class Flips {
                       place != FlipPlace::last);
   }
 
+ private:
   void load() {
     pair_.load(matrix_, settings_);
     pair_.engine.carry_words();
@@ -215,12 +215,14 @@ TEST_P(RtlFlips, LeaveBothEquallyWrong) {
   for (std::size_t i = 0; i < engine::kFlipPlaces; ++i) {
     const Seen& seen = flips.seen(static_cast<FlipPlace>(i));
     const auto place = static_cast<FlipPlace>(i);
-    const bool none = place == FlipPlace::z || place == FlipPlace::inverse;
-    if (none && !preconditions(*GetParam())) continue;
+    const bool of_preconditioner = place == FlipPlace::z || place == FlipPlace::inverse;
+    if (!flips.compared(place) || (of_preconditioner && !preconditions(*GetParam()))) continue;
     EXPECT_GT(seen.flips - seen.idle, 0) << engine::name(place);
     EXPECT_GT(seen.idle, 0) << engine::name(place);
   }
-  EXPECT_GT(flips.seen(FlipPlace::last).no_end, 0);
+  if (flips.compared(FlipPlace::last)) {
+    EXPECT_GT(flips.seen(FlipPlace::last).no_end, 0);
+  }
   EXPECT_GT(flips.seen(FlipPlace::loops).no_end, 0);
 }
 

@@ -39,8 +39,9 @@ constexpr const char* name(FlipPlace place) {
 
 // The bits of the counter of iterations.
 inline constexpr int kLoopBits = 16;
-// The bits of an exponent that flip: those above them do the same.
-inline constexpr int kExponentBits = 16;
+// The bits of an exponent that flip: behind those above them both terms of d can be beyond every
+// word, and their sum would need as many bits as they have.
+inline constexpr int kExponentBits = 7;
 
 // A bit of a memory or a register that changes, as by a particle, amid two edges of the clock. What
 // a place does not have is not looked at; −1: not stated.
@@ -88,6 +89,8 @@ constexpr bool has_index(FlipPlace place, int Flip::*index) {
 // The rank of a node whose z is written, where the lanes have one: that of the words before, if it
 // has more.
 inline constexpr int kPreconditionedRank = 19;
+// The clocks of a pass up to which z follows r there.
+inline constexpr int kLongestPass = 24;
 // The rank at which the words of P⁻¹ have been read.
 inline constexpr int kInverseRank = 11;
 

@@ -20,8 +20,9 @@ std::string partition_of(int number) { return indexed("matrix.g_partition", numb
 
 // The memory of one component of a vector in the lane.
 std::string bank_of(int lane, int component, const std::string& vector) {
+  const bool of_preconditioner = vector == "z" || vector == "inverse";
   return "vectors." + indexed("g_lane", lane) + "." + indexed("g_component", component) +
-         ".component.bank." + vector + "_memory";
+         ".component.bank." + (of_preconditioner ? "g_preconditioner." : "") + vector + "_memory";
 }
 
 constexpr const char* kSequencer = "sequence_of_passes";
