@@ -85,6 +85,7 @@ BOUNDS = {
     "fault.partition": (0, 1),
     "fault.package": (0, 20),
     "fault.column": (0, 2),
+    "fault.copy": (0, 0),
 }
 # What a table, or a value, needs elsewhere. Left out now and then, to be refused.
 NEEDS = {

@@ -94,6 +94,28 @@ TEST(Faults, ABitThatNoEngineHasIsRefused) {
   EXPECT_THAT(error("cycle-accurate", "place = \"nodes\"\ncolumn = 4\n"),
               HasSubstr("column: 4: expected less than 4"));
   EXPECT_THAT(error("cycle-accurate", "place = \"loops\"\nnode = 4\n"), HasSubstr("node"));
+  EXPECT_THAT(error("cycle-accurate", "place = \"d\"\ncopy = 1\n"),
+              HasSubstr("copy: 1: expected less than 1"));
+  EXPECT_THAT(error("cycle-accurate", "place = \"d_exponent\"\nbit = 7\n"),
+              HasSubstr("bit: 7: expected less than 7"));
+  EXPECT_THAT(error("cycle-accurate", "place = \"inverse\"\n"),
+              HasSubstr("expected solver.method = \"jacobi-pcg\""));
+}
+
+TEST(Faults, AFlipThatTheLevelRtlDoesNotCompareIsRefused) {
+  const Faulty turns(
+      "\n[fidelity]\naccelerator = \"rtl\"\n\n[accelerator]\ndirection_memory = \"stall\"\n\n"
+      "[[fault]]\nkind = \"flip\"\nframe = 5\nplace = \"nodes\"\n");
+  EXPECT_EQ(turns.ended.status, 2);
+  if (turns.ended.err.find("Verilator") != std::string::npos) GTEST_SKIP() << turns.ended.err;
+  EXPECT_THAT(turns.ended.err, HasSubstr("place: nodes is not compared"));
+}
+
+TEST(Faults, ABitThatTheMeshDoesNotHaveIsNamedByItsIndex) {
+  const Faulty run(
+      "\n[fidelity]\naccelerator = \"cycle-accurate\"\n\n[[fault]]\nkind = \"flip\"\nframe = 5\n"
+      "place = \"x\"\nnode = 100000\n");
+  EXPECT_THAT(run.ended.out, HasSubstr("did not happen: the engine has no such bit: node is 100000"));
 }
 
 TEST(Faults, AFlippedBitIsInTheReportAndInItsFrame) {
@@ -101,6 +123,7 @@ TEST(Faults, AFlippedBitIsInTheReportAndInItsFrame) {
       "\n[fidelity]\naccelerator = \"cycle-accurate\"\n\n[[fault]]\nkind = \"flip\"\nframe = 5\n"
       "place = \"matrix\"\npartition = 1\npackage = 2\nrow = 0\ncolumn = 0\nbit = 10\nclock = 9\n");
   EXPECT_THAT(run.ended.out, Not(HasSubstr("PASS")));
+  EXPECT_EQ(run.summary().at("verdict"), "held, with wrong solutions");
   EXPECT_THAT(run.ended.out,
               HasSubstr("matrix partition 1 package 2 row 0 column 0 bit 10 at clock 9"));
   const json flips = run.summary().at("flips");
