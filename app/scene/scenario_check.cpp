@@ -102,6 +102,11 @@ void require_compared(const Scenario& s, const vp::engine::Flip& flip) {
                                   "the memories of d: expected another place, or "
                                   "fidelity.accelerator = \"cycle-accurate\"");
   }
+  if (flip.place == Place::r_exponent || flip.place == Place::d_exponent) {
+    throw InputError("place", std::string(name(flip.place)) +
+                                  " is not compared at the level rtl: expected another place, or "
+                                  "fidelity.accelerator = \"cycle-accurate\"");
+  }
   if (s.solver.preconditioned() && a.phase_clocks() > vp::engine::kLongestPass) {
     throw InputError("kind", "flip is not compared at the level rtl with a preconditioner and " +
                                  std::to_string(a.phase_clocks()) +
@@ -196,7 +201,14 @@ void require_possible(const Scenario& s, const vp::Fault& fault) {
       s.transfer.notification == link::Notification::polling) {
     refuse("interrupts: expected another transfer.notification than \"polling\"");
   }
-  if (fault.kind == Kind::flip) require_flip(s, fault.flip);
+  if (fault.kind == Kind::flip) {
+    require_flip(s, fault.flip);
+    // What the engine at the port has done with a bit that flipped, no replay does.
+    if (s.output.engine_port && fault.frame < s.output.engine_port->frames) {
+      refuse("frames that output.engine_port does not record: expected a frame from " +
+             std::to_string(s.output.engine_port->frames) + " on, or no such record");
+    }
+  }
   // A DMA engine's fetch of the matrix' values has faults of its own (vp/fpga/dma_values.cpp).
   const bool of_matrix = fault.access == vp::FaultAccess::values;
   const bool blocks = (fault.kind == Kind::corrupted_word && !of_matrix) ||

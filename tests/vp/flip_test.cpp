@@ -197,6 +197,7 @@ TEST(Flips, AreTheSameAtTheLevelRtl) {
     GTEST_SKIP() << "built without Verilator";
   }
   for (std::size_t place = 0; place < engine::kFlipPlaces; ++place) {
+    if (static_cast<FlipPlace>(place) >= FlipPlace::r_exponent) break;  // not compared there
     const auto run_at = [place](Timing level) {
       return test::output_of_child([place, level](std::string& out) {
         SmallScene scene;

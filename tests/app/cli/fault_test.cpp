@@ -96,8 +96,8 @@ TEST(Faults, ABitThatNoEngineHasIsRefused) {
   EXPECT_THAT(error("cycle-accurate", "place = \"loops\"\nnode = 4\n"), HasSubstr("node"));
   EXPECT_THAT(error("cycle-accurate", "place = \"d\"\ncopy = 1\n"),
               HasSubstr("copy: 1: expected less than 1"));
-  EXPECT_THAT(error("cycle-accurate", "place = \"d_exponent\"\nbit = 7\n"),
-              HasSubstr("bit: 7: expected less than 7"));
+  EXPECT_THAT(error("cycle-accurate", "place = \"d_exponent\"\nbit = 16\n"),
+              HasSubstr("bit: 16: expected less than 16"));
   EXPECT_THAT(error("cycle-accurate", "place = \"inverse\"\n"),
               HasSubstr("expected solver.method = \"jacobi-pcg\""));
 }

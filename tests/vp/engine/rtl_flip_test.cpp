@@ -79,6 +79,7 @@ class Flips {
     matrix_ = hvp::test::random_matrix(1 + random_.below(std::min(80, 1 << size_.node_bits)),
                                        1 + random_.below(12), size_.matrix_bits, random_);
     load();
+    ++pair_.systems;
     for (int j = 0; j < 4; ++j) {
       if (testing::Test::HasFatalFailure()) return;
       if (random_.below(6) == 0) hold();
@@ -101,6 +102,9 @@ class Flips {
   bool compared(FlipPlace place) const {
     const bool turns = size_.direction_memory != accel::DirectionMemory::double_pumped ||
                        size_.direction_banks > 1 || size_.rows_in_parallel < 3;
+    // An engine with a preconditioner has longer words behind the point without it, too.
+    const bool exponent = place == FlipPlace::r_exponent || place == FlipPlace::d_exponent;
+    if (exponent && size_.preconditioner != settings_.preconditioned()) return false;
     return !turns || (place != FlipPlace::nodes && place != FlipPlace::phase &&
                       place != FlipPlace::last);
   }
@@ -216,7 +220,9 @@ TEST_P(RtlFlips, LeaveBothEquallyWrong) {
     const Seen& seen = flips.seen(static_cast<FlipPlace>(i));
     const auto place = static_cast<FlipPlace>(i);
     const bool of_preconditioner = place == FlipPlace::z || place == FlipPlace::inverse;
-    if (!flips.compared(place) || (of_preconditioner && !preconditions(*GetParam()))) continue;
+    const bool exponent = place == FlipPlace::r_exponent || place == FlipPlace::d_exponent;
+    if (!exponent && !flips.compared(place)) continue;
+    if (of_preconditioner && !preconditions(*GetParam())) continue;
     EXPECT_GT(seen.flips - seen.idle, 0) << engine::name(place);
     EXPECT_GT(seen.idle, 0) << engine::name(place);
   }

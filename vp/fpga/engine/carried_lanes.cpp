@@ -11,6 +11,7 @@ namespace hvp::vp::engine {
 void VectorUnit::carry_words(int late) {
   carries_words_ = true;
   late_ = late;
+  lanes_.cut_terms();
   carried_inverse_.resize(9 * at(architecture_.nodes_per_clock) * ranks_.size());
 }
 

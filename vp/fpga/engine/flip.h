@@ -39,9 +39,8 @@ constexpr const char* name(FlipPlace place) {
 
 // The bits of the counter of iterations.
 inline constexpr int kLoopBits = 16;
-// The bits of an exponent that flip: behind those above them both terms of d can be beyond every
-// word, and their sum would need as many bits as they have.
-inline constexpr int kExponentBits = 7;
+// The bits of an exponent that flip: those above them do the same.
+inline constexpr int kExponentBits = 16;
 
 // A bit of a memory or a register that changes, as by a particle, amid two edges of the clock. What
 // a place does not have is not looked at; −1: not stated.

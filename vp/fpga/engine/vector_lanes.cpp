@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <span>
 
+#include "models/fixed/reference_preconditioner.h"
 #include "models/index.h"
 
 namespace hvp::vp::engine {
@@ -15,6 +16,15 @@ void track(std::uint64_t& largest, std::int64_t value) {
 
 // Two words' product fits into 64 bits; only the sum does not.
 std::int64_t product(std::int32_t a, std::int32_t b) { return std::int64_t{a} * b; }
+
+// The bits of an aligner's word, as engine.sv has them (engine_types.sv, direction_bits).
+int aligned_bits(const fixed::Settings& s) {
+  constexpr int kBeyond = 2;
+  if (!s.preconditioned()) return s.vector_bits + kBeyond;
+  const int scale = fixed::ReferencePreconditioner::scale_bits(s);
+  const int longest = std::min(scale + 1, fixed::Settings::kProductBits - 1);
+  return fixed::Settings::kProductBits + std::max(0, s.product_shift() + longest - scale) + kBeyond;
+}
 
 }  // namespace
 
@@ -30,6 +40,7 @@ void VectorLanes::load(int nodes) {
 void VectorLanes::configure(const fixed::Settings& settings, int inverse_shift) {
   settings_ = settings;
   inverse_shift_ = inverse_shift;
+  if (cuts_terms_) term_limit_ = (std::int64_t{1} << aligned_bits(settings)) - 1;
 }
 
 void VectorLanes::begin(const VectorCommand& command) {
@@ -124,9 +135,9 @@ void VectorLanes::write_update(std::size_t first, std::size_t count, const LaneW
       continue;
     }
     memories_.x[word] = x;
-    const std::int64_t kept = r_shift_(from.r[i]);
-    memories_.r[word] =
-        clamped(kept - change_shift_(product(from.of_q, from.q[i])), settings_.residual_bits());
+    const std::int64_t kept = cut(r_shift_(from.r[i]));
+    memories_.r[word] = clamped(kept - cut(change_shift_(product(from.of_q, from.q[i]))),
+                                settings_.residual_bits());
   }
   if (!now_.exchange) precondition(first, count, from);
 }
@@ -163,8 +174,8 @@ void VectorLanes::precondition(std::size_t first, std::size_t count, const LaneW
 void VectorLanes::write_direction(std::size_t count, const LaneWords& from, std::int32_t* written) {
   const std::int32_t* const z = settings_.preconditioned() ? from.z : from.r;
   for (std::size_t i = 0; i < count; ++i) {
-    std::int64_t sum = z_shift_(z[i]);
-    if (now_.pass == Pass::direction) sum += d_shift_(product(from.of_d, from.d[i]));
+    std::int64_t sum = cut(z_shift_(z[i]));
+    if (now_.pass == Pass::direction) sum += cut(d_shift_(product(from.of_d, from.d[i])));
     written[i] = clamped(sum, settings_.vector_bits);
     track(status_.largest_d, written[i]);
   }

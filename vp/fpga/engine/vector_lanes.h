@@ -109,6 +109,9 @@ class VectorLanes {
   // Begins a pass, with no sums yet.
   void begin(const VectorCommand& command);
   const VectorCommand& command() const { return now_; }
+  // From now on a term of a sum is cut at the aligners' longest word: only where a bit of an
+  // exponent has flipped both terms can be beyond every word.
+  void cut_terms() { cuts_terms_ = true; }
   void shift_z(int shift) {
     now_.z_shift = shift;
     z_shift_ = WordShifter(shift, settings_.shift_rounding);
@@ -155,11 +158,16 @@ class VectorLanes {
   void write_update(std::size_t first, std::size_t count, const LaneWords& from,
                     std::int32_t* written);
   void write_direction(std::size_t count, const LaneWords& from, std::int32_t* written);
+  std::int64_t cut(std::int64_t term) const {
+    return term_limit_ == 0 ? term : std::clamp(term, -term_limit_, term_limit_);
+  }
   void precondition(std::size_t first, std::size_t count, const LaneWords& from);
 
   VectorMemories memories_;
   fixed::Settings settings_;
   int inverse_shift_ = 0;
+  bool cuts_terms_ = false;
+  std::int64_t term_limit_ = 0;  // 0: none
   fixed::Report report_;
   fixed::ReferenceMachine machine_{settings_, report_};  // the rules of the words
   fixed::Report uncounted_;
