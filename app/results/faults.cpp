@@ -149,6 +149,10 @@ void flip_text(Out out, const vp::FaultRecord& r) {
                  "; {} wrong, by {:.3g} of the largest word at most, the last in frame {}; "
                  "flags told of {}",
                  counted(e.wrong, "solution"), e.worst, e.last_wrong_frame, e.told);
+  if (e.told == e.wrong) return;
+  fmt::format_to(out,
+                 "\n    remedy: none on the board, whose driver does not look at words; beside a "
+                 "reference, budget.displacement_error fails the run");
 }
 
 void fault_lines(Out out, const Outcome& o) {
