@@ -1,5 +1,6 @@
 // scaler.sv against fixed::ReferenceMachine::rescaling: whole systems seldom come to where a bit
 // that was cut decides.
+#include <algorithm>
 #include <cstdint>
 
 #include <gtest/gtest.h>
@@ -164,6 +165,29 @@ TEST(RtlScaler, AgreesWhereATermIsShiftedOut) {
     }
   }
   EXPECT_GE(grown, 5);
+}
+
+// The largest shift has eight bits, and a bound that asks for more gets that, in whole steps. No
+// engine has words so far apart.
+TEST(RtlScaler, AShiftBeyondTheLargestIsTheLargest) {
+  constexpr int kLargestShift = 255;
+  Scaler scaler;
+  fixed::test::Random random(2);
+  int longer = 0;
+  for (int i = 0; i < 20'000; ++i) {
+    fixed::Settings s = random_settings(random);
+    s.dynamic_scaling = true;
+    const int exponent = random.below(1'200) - 600;
+    const Case c = {.first = 1U + static_cast<std::uint32_t>(random.below(1 << 14U)),
+                    .first_exponent = exponent,
+                    .second_exponent = exponent};
+    const int step = s.scaling_step;
+    const int up = kLargestShift / step * step;
+    const int wanted = std::clamp(expected(c, s), -up, up);
+    ASSERT_EQ(scaler.up(c, s), wanted) << c.first << " * 2^" << exponent << " by " << step;
+    longer += wanted == expected(c, s) ? 0 : 1;
+  }
+  EXPECT_GT(longer, 1'000);
 }
 
 }  // namespace
