@@ -56,51 +56,56 @@ REASONED = {
     "narrow": (
         "One lane, and queues of two rows.",
         """MatrixBits 9 VectorBits 13 CoefficientBits 10 Package 4 Partitions 3 Lanes 1 NodeBits 7
-        PackageBits 10 QueueBits 1 PhaseClocks 23 DivisionClocks 71 StaticBits 4 Preconditioner 0""",
+        PackageBits 10 QueueBits 1 PhaseClocks 23 DivisionClocks 71 StaticBits 4
+        Preconditioner 0""",
     ),
     "wide": (
         "Products that drop bits, and a preconditioner with the shortest pass.",
         """MatrixBits 16 VectorBits 20 CoefficientBits 18 Package 9 Partitions 7 Lanes 2 NodeBits 8
-        PackageBits 9 QueueBits 3 PhaseClocks 19 DivisionClocks 86 StaticBits 4 Preconditioner 1""",
+        PackageBits 9 QueueBits 3 PhaseClocks 19 DivisionClocks 86 StaticBits 4
+        Preconditioner 1""",
     ),
     "least": (
         "The least latencies, the shortest words and one partition.",
         """MatrixBits 8 VectorBits 12 CoefficientBits 8 Package 3 Partitions 1 Lanes 1 NodeBits 6
-        PackageBits 11 QueueBits 2 PhaseClocks 19 DivisionClocks 66 StaticBits 4 Preconditioner 1""",
+        PackageBits 11 QueueBits 2 PhaseClocks 19 DivisionClocks 66 StaticBits 4
+        Preconditioner 1""",
     ),
     "many": (
         "As many partitions as there can be.",
-        """MatrixBits 12 VectorBits 16 CoefficientBits 16 Package 8 Partitions 16 Lanes 2 NodeBits 8
-        PackageBits 8 QueueBits 1 PhaseClocks 20 DivisionClocks 68 StaticBits 4 Preconditioner 0""",
+        """MatrixBits 12 VectorBits 16 CoefficientBits 16 Package 8 Partitions 16 Lanes 2 NodeBits
+        8 PackageBits 8 QueueBits 1 PhaseClocks 20 DivisionClocks 68 StaticBits 4
+        Preconditioner 0""",
     ),
     "long": (
         "Long divisions and passes, and the longest coefficients.",
-        """MatrixBits 14 VectorBits 18 CoefficientBits 24 Package 10 Partitions 4 Lanes 2 NodeBits 9
-        PackageBits 8 QueueBits 3 PhaseClocks 33 DivisionClocks 98 StaticBits 4 Preconditioner 1""",
+        """MatrixBits 14 VectorBits 18 CoefficientBits 24 Package 10 Partitions 4 Lanes 2 NodeBits
+        9 PackageBits 8 QueueBits 3 PhaseClocks 33 DivisionClocks 98 StaticBits 4
+        Preconditioner 1""",
     ),
     "stall": (
         "Packages and groups that wait for the banks of d.",
         """MatrixBits 10 VectorBits 14 CoefficientBits 12 Package 8 Partitions 2 Lanes 2 NodeBits 7
-        PackageBits 9 QueueBits 1 PhaseClocks 19 DivisionClocks 67 StaticBits 4 Preconditioner 0
-        DirectionMemory stall""",
+        PackageBits 9 QueueBits 1 PhaseClocks 19 DivisionClocks 67 StaticBits 4
+        Preconditioner 0 DirectionMemory stall""",
     ),
     "banks": (
         "Two words of a group in each bank, and packages of six nodes.",
         """MatrixBits 9 VectorBits 13 CoefficientBits 10 Package 16 Partitions 2 Lanes 4 NodeBits 7
-        PackageBits 9 QueueBits 2 PhaseClocks 20 DivisionClocks 68 StaticBits 4 Preconditioner 0
-        DirectionMemory two_copies DirectionBanks 2""",
+        PackageBits 9 QueueBits 2 PhaseClocks 20 DivisionClocks 68 StaticBits 4
+        Preconditioner 0 DirectionMemory two_copies DirectionBanks 2""",
     ),
     "rows": (
         "Rows one at a time, and groups that lie in some of the banks.",
         """MatrixBits 9 VectorBits 13 CoefficientBits 10 Package 7 Partitions 3 Lanes 2 NodeBits 7
-        PackageBits 10 QueueBits 2 PhaseClocks 21 DivisionClocks 68 StaticBits 4 Preconditioner 0
-        RowsInParallel 1 DirectionBanks 8""",
+        PackageBits 10 QueueBits 2 PhaseClocks 21 DivisionClocks 68 StaticBits 4
+        Preconditioner 0 RowsInParallel 1 DirectionBanks 8""",
     ),
     "pairs": (
         "Rows two at a time.",
         """MatrixBits 9 VectorBits 13 CoefficientBits 10 Package 4 Partitions 3 Lanes 4 NodeBits 7
-        PackageBits 10 QueueBits 2 PhaseClocks 20 DivisionClocks 68 StaticBits 4 Preconditioner 0
-        RowsInParallel 2 DirectionMemory stall DirectionBanks 4""",
+        PackageBits 10 QueueBits 2 PhaseClocks 20 DivisionClocks 68 StaticBits 4
+        Preconditioner 0 RowsInParallel 2 DirectionMemory stall DirectionBanks 4""",
     ),
 }
 
@@ -144,9 +149,7 @@ def drawn(draw: random.Random) -> Size | None:
     packages = block_rows * (math.ceil(COMPONENTS * BLOCKS / package) + 1)
     phase_clocks = draw.choice([19, 20, 21, 22, 24, 27, 31, 40])
     late = max(0, LAST_RANK - phase_clocks) if preconditioner else 0
-    shortest = max(
-        (SCALAR_BITS - 1) // 8 + coefficient_bits + 41 + late, 36 + 2 * coefficient_bits
-    )
+    shortest = max((SCALAR_BITS - 1) // 8 + coefficient_bits + 41 + late, 36 + 2 * coefficient_bits)
     values = {
         # The right-hand side drops a bit less, of which 15 fit into StaticBits.
         "MatrixBits": matrix_bits,
