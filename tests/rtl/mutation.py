@@ -7,10 +7,10 @@
 A number of seeded mutants, spread over all modules, are translated at once and run one after the
 other, each by the tests that notice most mutants first. They come in an order by chance, so that
 what --minutes leaves time for is of all modules. Random systems are fewer than in the tests at
-first; a survivor that has no reason in survivors.toml gets all of them. The report says how many of them were run, how
-many of these were noticed, and names the survivors. Each of those has to have its reason in survivors.toml: that no test can tell
-it from the original (equivalent), or why none does. Exit status 1 where one has none, or where
-fewer than nine of ten others were noticed.
+first; a survivor that has no reason in survivors.toml gets all of them. The report says how many
+mutants were run and how many of these were noticed, and names the survivors. Each of those has to
+have its reason in survivors.toml: that no test can tell it from the original (equivalent), or why
+none does. Exit status 1 where one has none, or where fewer than nine of ten others were noticed.
 """
 
 import argparse
@@ -204,8 +204,8 @@ def report(outcomes: list[Outcome], drawn: int, reasons: list[dict[str, str]]) -
         print(f"{count:4} noticed by {test}")
     killed, others = sum(noticed.values()), len(outcomes) - equivalent
     print(
-        f"\n{len(outcomes)} of {drawn} mutants were run: {killed} noticed, {len(survivors)} survive, of which "
-        f"{equivalent} are equivalent and {unexplained} without a reason; of those that are not "
+        f"\n{len(outcomes)} of {drawn} mutants were run: {killed} noticed, {len(survivors)} "
+        f"survive, of which {equivalent} are equivalent and {unexplained} without a reason; of those that are not "
         f"equivalent {100 * killed / max(others, 1):.1f} % were noticed"
     )
     return 1 if unexplained or killed < WANTED * others else 0
