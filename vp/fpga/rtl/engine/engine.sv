@@ -74,7 +74,9 @@ module engine
   localparam int GrowthBits = 4;  // of a row's sum, thesis section 5.5
   localparam int Excess = MatrixBits + VectorBits + GrowthBits - ProductBits;
   localparam int ProductShift = Excess > 0 ? Excess : 0;
-  localparam int RowBits = MatrixBits + VectorBits + NodeBits;  // no row's exact sum is longer
+  // No row's exact sum is longer: of 2^BlockBits blocks at most, with three columns each.
+  localparam int RowBits =
+      MatrixBits + VectorBits + (NodeBits > BlockBits ? NodeBits : NodeBits + 1);
   localparam int SumBits = RowBits > ProductBits ? RowBits : ProductBits + 1;
   localparam int ResidualBits = Preconditioner ? WideBits : VectorBits;
   localparam int DirectionBits =
