@@ -105,6 +105,23 @@ def chosen(modules: list[Module], count: int, seed: int) -> dict[str, list[int]]
     return places
 
 
+def listed(modules: list[Module], kind: str) -> dict[str, list[int]]:
+    """Places of those that survivors.toml has with that kind: a test may notice them by now."""
+    reasons = [reason for reason in survivors() if reason["kind"] == kind]
+    return {
+        module.name: [
+            place
+            for place, mutant in enumerate(module.mutants)
+            if explanation(mutant, reasons) is not None
+        ]
+        for module in modules
+    }
+
+
+def survivors() -> list[dict[str, str]]:
+    return tomllib.loads(REASONS.read_text())["survivor"] if REASONS.exists() else []
+
+
 def mutated_program(
     build: Path, folder: Path, modules: list[Module], places: dict[str, list[int]]
 ) -> tuple[Path, list[Mutant]]:
@@ -205,8 +222,8 @@ def report(outcomes: list[Outcome], drawn: int, reasons: list[dict[str, str]]) -
     killed, others = sum(noticed.values()), len(outcomes) - equivalent
     print(
         f"\n{len(outcomes)} of {drawn} mutants were run: {killed} noticed, {len(survivors)} "
-        f"survive, of which {equivalent} are equivalent and {unexplained} without a reason; of those that are not "
-        f"equivalent {100 * killed / max(others, 1):.1f} % were noticed"
+        f"survive, of which {equivalent} are equivalent and {unexplained} without a reason; of "
+        f"those that are not equivalent {100 * killed / max(others, 1):.1f} % were noticed"
     )
     return 1 if unexplained or killed < WANTED * others else 0
 
@@ -217,13 +234,17 @@ def main() -> int:
     parser.add_argument("--keep", type=Path, help="folder of the translation")
     parser.add_argument("--count", type=int, default=400)
     parser.add_argument("--seed", type=int, default=1)
+    parser.add_argument("--listed", metavar="KIND", help="those of survivors.toml instead")
     parser.add_argument("--numbers", type=int, nargs="+", help="only these mutants")
     parser.add_argument("--minutes", type=float, default=math.inf, help="begin none after as many")
     options = parser.parse_args()
     build = options.build.resolve()
     folder = (options.keep or build / "mutation").resolve()
     modules = [Module(path) for path in sorted(ENGINE.glob("*.sv"))]
-    places = chosen(modules, options.count, options.seed)
+    if options.listed:
+        places = listed(modules, options.listed)
+    else:
+        places = chosen(modules, options.count, options.seed)
     try:
         program, mutants = mutated_program(build, folder, modules, places)
     except NotBuiltError as error:
@@ -244,7 +265,7 @@ def main() -> int:
         mutant = mutants[number - 1]
         outcomes.append(Outcome(number, mutant, runner.noticed_by(mutant, number)))
         print(f"{number} {outcomes[-1].noticed_by or 'SURVIVES'}: {mutant}", flush=True)
-    reasons = tomllib.loads(REASONS.read_text())["survivor"] if REASONS.exists() else []
+    reasons = survivors()
     for place, outcome in enumerate(outcomes):
         if outcome.noticed_by is None and explanation(outcome.mutant, reasons) is None:
             noticed_by = runner.noticed_by_all_systems(outcome.number)
