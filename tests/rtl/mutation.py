@@ -204,9 +204,9 @@ def report(outcomes: list[Outcome], drawn: int, reasons: list[dict[str, str]]) -
     noticed = Counter(o.mutant.file for o in outcomes if o.noticed_by)
     made = Counter(o.mutant.file for o in outcomes)
     by_test = Counter(o.noticed_by for o in outcomes if o.noticed_by)
-    survivors = [o.mutant for o in outcomes if not o.noticed_by]
+    surviving = [o.mutant for o in outcomes if not o.noticed_by]
     equivalent = unexplained = 0
-    for mutant in survivors:
+    for mutant in surviving:
         reason = explanation(mutant, reasons)
         kind = "without a reason" if reason is None else reason["kind"]
         equivalent += kind == "equivalent"
@@ -221,7 +221,7 @@ def report(outcomes: list[Outcome], drawn: int, reasons: list[dict[str, str]]) -
         print(f"{count:4} noticed by {test}")
     killed, others = sum(noticed.values()), len(outcomes) - equivalent
     print(
-        f"\n{len(outcomes)} of {drawn} mutants were run: {killed} noticed, {len(survivors)} "
+        f"\n{len(outcomes)} of {drawn} mutants were run: {killed} noticed, {len(surviving)} "
         f"survive, of which {equivalent} are equivalent and {unexplained} without a reason; of "
         f"those that are not equivalent {100 * killed / max(others, 1):.1f} % were noticed"
     )
