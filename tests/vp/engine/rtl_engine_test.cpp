@@ -139,7 +139,8 @@ void compare_thresholds(const EngineSize& size, int systems, std::uint64_t seed)
     Settings settings = settings_of(size);
     settings.start = fixed::Start::zero;
     settings.iterations = 1 + random.below(6);
-    if (size.preconditioner && random.below(2) == 0) settings.method = fixed::Method::jacobi_pcg;
+    // Its squares are longer than a double, so that their roundings decide as well.
+    if (size.preconditioner && random.below(4) != 0) settings.method = fixed::Method::jacobi_pcg;
     const fixed::QuantisedMatrix matrix =
         hvp::test::random_matrix(1 + random.below(30), 4, size.matrix_bits, random);
     const auto b = words(matrix.rows(), settings.residual_bits(), random);
@@ -275,7 +276,7 @@ int systems() {
 }
 
 TEST_P(RtlSizes, AgreeOnRandomSystems) { compare_random_systems(*GetParam(), systems(), 1); }
-TEST_P(RtlSizes, StopAtTheThreshold) { compare_thresholds(*GetParam(), 60, 2); }
+TEST_P(RtlSizes, StopAtTheThreshold) { compare_thresholds(*GetParam(), 120, 2); }
 TEST_P(RtlSizes, AgreeWhereverASolveIsAborted) { compare_aborts(*GetParam(), 5); }
 TEST_P(RtlSizes, AgreeOnContacts) { compare_contacts(*GetParam(), 60, 3); }
 
