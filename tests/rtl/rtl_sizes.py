@@ -31,8 +31,9 @@ SHARE = 2
 NODES = 80
 BLOCKS = 15
 COMPONENTS = 3
-# engine.sv: of the scalars, and of the wide words that a preconditioner needs; the largest static
+# engine.sv: the blocks of a row; the bits of the scalars, and of the wide words that a preconditioner needs; the largest static
 # shift; the last rank of z.r.
+ROW_BLOCKS = 64
 SCALAR_BITS = 64
 WIDE_BITS = 32
 MOST_SHIFT = 15
@@ -150,6 +151,10 @@ def drawn(draw: random.Random) -> Size | None:
     phase_clocks = draw.choice([19, 20, 21, 22, 24, 27, 31, 40])
     late = max(0, LAST_RANK - phase_clocks) if preconditioner else 0
     shortest = max((SCALAR_BITS - 1) // 8 + coefficient_bits + 41 + late, 36 + 2 * coefficient_bits)
+    if preconditioner:
+        row_packages = math.ceil(COMPONENTS * ROW_BLOCKS / package)
+        inverse_clocks = 12 + row_packages + COMPONENTS * (matrix_bits + 23)
+        shortest = max(shortest, math.ceil(inverse_clocks / COMPONENTS))
     values = {
         # The right-hand side drops a bit less, of which 15 fit into StaticBits.
         "MatrixBits": matrix_bits,

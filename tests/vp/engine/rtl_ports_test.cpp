@@ -27,6 +27,7 @@ class Watched {
   RtlEngine& engine() { return engine_; }
   // Edges behind which the port was up, since the last time.
   int ends() { return std::exchange(ends_, 0); }
+  int iterations() { return std::exchange(iterations_, 0); }
 
   void load(const fixed::QuantisedMatrix& matrix, const Settings& settings, Random& random) {
     engine_.load(matrix, settings);
@@ -58,9 +59,9 @@ class Watched {
     constexpr auto kCopy = static_cast<int>(engine::State::copy);
     const bool ended = before_ != kIdle && before_ != kCopy && ports.state == kIdle;
     EXPECT_EQ(ports.finished, ended) << "behind state " << before_;
-    // No solve here is on hold.
     constexpr auto kDirection = static_cast<int>(engine::State::direction);
-    EXPECT_EQ(ports.iteration_made, before_ == kDirection && ports.state != kDirection);
+    EXPECT_FALSE(ports.iteration_made && (before_ != kDirection || ports.state == kDirection));
+    iterations_ += ports.iteration_made ? 1 : 0;
     ends_ += ports.finished ? 1 : 0;
     before_ = ports.state;
   }
@@ -68,6 +69,7 @@ class Watched {
   RtlEngine engine_;
   int before_ = 0;
   int ends_ = 0;
+  int iterations_ = 0;
 };
 
 fixed::QuantisedMatrix definite_matrix(Random& random) {
@@ -84,6 +86,7 @@ TEST(RtlPorts, FinishedIsUpBehindTheLastIteration) {
     watched.start(settings);
     watched.engine().run_to_end();
     EXPECT_EQ(watched.engine().report().iterations, 3);
+    EXPECT_EQ(watched.iterations(), 3);
     EXPECT_EQ(watched.ends(), 1);
     watched.engine().copy_x();
     EXPECT_EQ(watched.ends(), 0);

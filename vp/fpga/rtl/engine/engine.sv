@@ -107,6 +107,12 @@ module engine
   if (DivisionClocks < (ScalarBits - 1) / 8 + CoefficientBits + 41 + LateSums) begin
     $error("the divider and the scaler take longer than a division");
   end
+  // Of a node: what looks its row up, whose packages are a clock each, and three serial divisions.
+  localparam int MostPackages = (3 * 2 ** BlockBits + Package - 1) / Package;
+  localparam int InverseClocks = 12 + MostPackages + 3 * (MatrixBits + InverseBits + 5);
+  if (Preconditioner && 3 * DivisionClocks < InverseClocks) begin
+    $error("a node's words of the inverse diagonal take longer than three divisions");
+  end
 
   // ---- Settings.
   wire [NodeBits:0] nodes;
