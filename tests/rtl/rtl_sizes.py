@@ -31,8 +31,8 @@ SHARE = 2
 NODES = 80
 BLOCKS = 15
 COMPONENTS = 3
-# engine.sv: the blocks of a row; the bits of the scalars, and of the wide words that a preconditioner needs; the largest static
-# shift; the last rank of z.r.
+# engine.sv: the blocks of a row; the bits of the scalars, and of the wide words that a
+# preconditioner needs; the largest static shift; the last rank of z.r.
 ROW_BLOCKS = 64
 SCALAR_BITS = 64
 WIDE_BITS = 32
