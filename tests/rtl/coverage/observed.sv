@@ -85,7 +85,8 @@ module observed_engine
 endmodule
 
 module observed_partition #(
-    parameter int QueueBits = 4
+    parameter int QueueBits = 4,
+    parameter bit Turns = 1'b0  // packages take several, for the banks of d or for the multipliers
 ) (
     input wire clock,
     input wire reset,
@@ -97,11 +98,13 @@ module observed_partition #(
 );
 
   import "DPI-C" function void hvp_event(input string what, input int number);
-  import "DPI-C" function void hvp_partition(input int waits, input int rows, input int depth);
+  import "DPI-C" function void hvp_partition(input int waits, input int rows, input int depth,
+                                             input int turns);
 
   always_ff @(posedge clock) begin
     if (!reset) begin
-      hvp_partition(waits_for_room ? 2 : int'(waits_for_turns), int'(rows), 2 ** QueueBits);
+      hvp_partition(waits_for_room ? 2 : int'(waits_for_turns), int'(rows), 2 ** QueueBits,
+                    int'(Turns));
     end
     if (!reset && start && empty) hvp_event("product of an empty partition", 0);
   end
@@ -138,7 +141,8 @@ bind engine observed_engine observed (
     .clamped
 );
 bind spmxv_partition observed_partition #(
-    .QueueBits(QueueBits)
+    .QueueBits(QueueBits),
+    .Turns(Nodes > DirectionAccesses || RowsInParallel < 3)
 ) observed (
     .clock,
     .reset,

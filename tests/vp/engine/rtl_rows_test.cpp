@@ -1,5 +1,6 @@
-// Rows whose sums come to the limit of the words of q and beyond it, which random matrices never do
-// as they are diagonally dominant.
+// Rows that random matrices seldom have: whose sums come to the limit of the words of q and beyond
+// it, which no diagonally dominant matrix has, and so short ones that the queues of finished rows
+// fill.
 #include <algorithm>
 #include <cstdint>
 #include <cstdio>
@@ -11,6 +12,7 @@
 
 #include "models/fixed/word.h"
 #include "models/index.h"
+#include "tests/vp/engine/random_systems.h"
 #include "tests/vp/engine/rtl_pair.h"
 #include "vp/fpga/engine/layout.h"
 
@@ -183,6 +185,40 @@ TEST_P(RtlRows, AgreeBeyondTheWordsOfQ) {
   EXPECT_EQ(seen.at_limit > 0, can_be_too_long(*GetParam()));
   EXPECT_GE(seen.clamped, seen.longer);
 }
+
+// Rows of a block or a few, each of which a partition finishes in a package or two, and far more of
+// them than the queues have room for.
+void compare_short_rows(const EngineSize& size, std::uint64_t seed) {
+  Pair pair(size);
+  Random random(seed);
+  const int nodes = std::min({1 << size.node_bits, 8 * size.partitions << size.queue_bits, 600});
+  std::int64_t stalls = 0;
+  for (int i = 0; i < 6; ++i) {
+    SCOPED_TRACE("system " + std::to_string(i));
+    Settings settings = settings_of(size);
+    settings.iterations = 2;
+    if (size.preconditioner && i % 2 == 1) settings.method = fixed::Method::jacobi_pcg;
+    // Without neighbours, each row is a block.
+    const fixed::QuantisedMatrix matrix =
+        hvp::test::random_matrix(nodes, i / 2, size.matrix_bits, random);
+    pair.load(matrix, settings);
+    pair.write_x(words(matrix.rows(), size.vector_bits, random));
+    pair.write_b(words(matrix.rows(), settings.residual_bits(), random));
+    pair.solve(settings);
+    if (testing::Test::HasFatalFailure()) return;
+    stalls += pair.queue_stalls;
+  }
+  std::printf("%s: %d nodes, %lld clocks of full queues\n", size.name, nodes,
+              static_cast<long long>(stalls));
+  // Where a row takes a clock, each clock makes twice as many rows as are taken.
+  const bool waits = size.rows_in_parallel < 3 || pair.bank_stalls > 0;
+  const bool fills = nodes >= 8 * size.partitions << size.queue_bits;
+  if (!waits && fills && size.partitions >= 2 * size.nodes_per_clock) {
+    EXPECT_GT(stalls, 0);
+  }
+}
+
+TEST_P(RtlRows, AgreeWhereQueuesFill) { compare_short_rows(*GetParam(), 10); }
 
 INSTANTIATE_TEST_SUITE_P(Engine, RtlRows, testing::ValuesIn(test::sizes()),
                          [](const auto& size) { return std::string(size.param->name); });
