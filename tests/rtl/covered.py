@@ -119,7 +119,7 @@ class Seen:
 
     blocks: Counter[Block]
     events: Counter[tuple[str, int]]
-    # By pass, for what a package waits, the rows that wait, how many have room, and whether the size
+    # By pass, for what a package waits, rows that wait, how many have room, and whether the size
     # has packages that take turns.
     partitions: Counter[tuple[int, int, int, int, int]]
 
