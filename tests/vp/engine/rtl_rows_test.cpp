@@ -92,14 +92,17 @@ std::int64_t rounded_down(const std::vector<std::int32_t>& row, const std::vecto
   return static_cast<std::int64_t>((sum < 0 ? -sum : sum) >> shift);
 }
 
-// x of the nodes behind the first rows: as large as words are, and in the last node three places by
-// which a sum can be made to the unit.
+// x of the nodes behind the first rows: as large as words are, and in the last two nodes the places
+// of digits as long as the matrix' words, by which a sum can be made to the unit.
 std::vector<std::int32_t> long_x(const EngineSize& size, int nodes) {
   const auto limit = static_cast<std::int32_t>(fixed::word_limit(size.vector_bits));
   std::vector<std::int32_t> x(at(kComponents * nodes), limit);
   std::fill_n(x.begin(), kComponents * kRows, 0);
-  x[at(kComponents * nodes - 2)] = 1 << (size.vector_bits / 2);
-  x[at(kComponents * nodes - 1)] = 1;
+  constexpr int kPlaces = 2 * kComponents;
+  for (int place = 0; place < kPlaces; ++place) {
+    const int bit = std::min(size.vector_bits - 2, place * (size.matrix_bits - 1));
+    x[at(kComponents * nodes - 1 - place)] = std::int32_t{1} << bit;
+  }
   return x;
 }
 
