@@ -1,6 +1,7 @@
 #include "app/commands/commands.h"
 
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <cctype>
 #include <cstdint>
 #include <cstdio>
@@ -47,7 +48,45 @@ std::string title_of(const std::string& title, const std::vector<std::string>& a
   return changes.empty() ? title : fmt::format("{} [{}]", title, scenario::one_line(changes, 200));
 }
 
+// Text that a POSIX shell takes as one word.
+std::string in_shell(const std::string& word) {
+  const auto plain = [](char c) {
+    return std::isalnum(static_cast<unsigned char>(c)) != 0 ||
+           std::string_view("._/=+,:@%-").find(c) != std::string_view::npos;
+  };
+  if (!word.empty() && std::ranges::all_of(word, plain)) return word;
+  std::string quoted = "'";
+  for (const char c : word) quoted += c == '\'' ? std::string("'\\''") : std::string(1, c);
+  return quoted + "'";
+}
+
+std::string in_shell(const ScenarioSource& source) {
+  std::string text = in_shell(source.scenario.string());
+  for (const auto& file : source.includes) text += " --include " + in_shell(file.string());
+  for (const auto& change : source.overrides) text += " --set " + in_shell(change);
+  return text;
+}
+
+// A translation takes a minute: it is not made unasked.
+void require_rtl_size(const LoadedScenario& loaded, const Scene& scene) {
+  if (scene.scenario().fidelity.accelerator != vp::Timing::rtl || !scene.has_board()) return;
+  if (rtl_size(scene).built) return;
+  throw InputError("fidelity.accelerator",
+                   fmt::format("this build has not translated the engine in SystemVerilog in the "
+                               "size of this scenario: expected \"cycle-accurate\", or first the "
+                               "command ./hvp rtl {}",
+                               loaded.arguments));
+}
+
 }  // namespace
+
+vp::RtlSize rtl_size(const Scene& scene) {
+  const auto& matrix = scene.computation().matrix();
+  return within("accelerator", [&] {
+    return vp::rtl_size(scene.scenario().accelerator, scene.computation().board().settings(),
+                        matrix.row_begin, matrix.column);
+  });
+}
 
 void add_scenario_arguments(CLI::App& command, ScenarioArguments& arguments) {
   command.add_option("scenario", arguments.scenario, "a scenario file")
@@ -99,12 +138,15 @@ std::filesystem::path results_folder(const ScenarioArguments& arguments) {
 LoadedScenario load(const ScenarioArguments& arguments) {
   LoadedScenario loaded = load_untitled(arguments);
   loaded.scenario.title = title_of(loaded.scenario.title, changes_of(arguments));
+  loaded.arguments = in_shell(arguments);
   return loaded;
 }
 
 Scene build_scene(const LoadedScenario& loaded, const Progress& progress, Scene::Limits limits) {
   try {
-    return {loaded.scenario, loaded.device, progress, limits};
+    Scene scene(loaded.scenario, loaded.device, progress, limits);
+    if (limits == Scene::Limits::refused) require_rtl_size(loaded, scene);
+    return scene;
   } catch (const InputError& e) {
     throw loaded.document.complete(e);
   }

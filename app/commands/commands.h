@@ -10,6 +10,7 @@
 
 #include "app/scene/loaded_scenario.h"
 #include "app/scene/scene.h"
+#include "vp/fpga/rtl_timing.h"
 
 // NOLINTNEXTLINE(readability-identifier-naming): the library's own name
 namespace CLI {
@@ -45,6 +46,7 @@ void add_measure(CLI::App& app, int& status);
 void add_solve(CLI::App& app, int& status);
 void add_mesh(CLI::App& app, int& status);
 void add_export(CLI::App& app, int& status);
+void add_rtl(CLI::App& app, int& status);
 void add_resolve(CLI::App& app, int& status);
 void add_reference(CLI::App& app, int& status);
 // The program's commands in the order of its help: of hvp all (all_commands.cpp), of hvp-run those
@@ -64,9 +66,14 @@ LoadedScenario load(const ScenarioArguments& arguments);
 // what-if.
 std::filesystem::path results_folder(const ScenarioArguments& arguments);
 
-// The scenario's system. Throws InputError with the line of the scenario.
+// The scenario's system. Throws InputError with the line of the scenario; also where this build has
+// the engine of the level rtl in other sizes only, unless limits are reported.
 Scene build_scene(const LoadedScenario& loaded, const Progress& progress,
                   Scene::Limits limits = Scene::Limits::refused);
+
+// The size of engine.sv for the scene's board. Throws InputError with the full key for what it does
+// not have in any.
+vp::RtlSize rtl_size(const Scene& scene);
 
 // Throws InputError that begins with `chosen_by` where HVP_KERNEL names no kernel of this machine.
 void check_kernel(const std::string& chosen_by);

@@ -31,7 +31,7 @@ LoadedScenario load_untitled(const ScenarioSource& source) {
 }
 
 LoadedScenario read_document(scenario::Document document) {
-  LoadedScenario loaded{std::move(document), {}, {}, {}};
+  LoadedScenario loaded{std::move(document), {}, {}, {}, {}};
   devices::put_devices_under(loaded.document);
   scenario::read(loaded.document, loaded.scenario);
   scenario::resolve_files(loaded.document, loaded.scenario);

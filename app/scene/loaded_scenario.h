@@ -23,6 +23,7 @@ struct LoadedScenario {
   Scenario scenario;
   accel::Device device;
   std::filesystem::path device_file;  // can be opened; empty for a built-in device
+  std::string arguments;              // of the command line, as a shell takes them; may be empty
 };
 
 // Loads the scenario without adding the overrides to its title. Throws InputError, complete with

@@ -58,6 +58,7 @@ void require_engine(const Scenario& s) {
   vp::require_rtl();
   within("accelerator", [&] { vp::require_rtl(s.accelerator); });
   within("solver", [&] { vp::require_rtl(s.solver); });
+  within("accelerator", [&] { vp::require_rtl(s.accelerator, s.solver); });
 }
 
 // Refuses transfer settings without a board, as nothing is transferred then.

@@ -10,6 +10,7 @@ top=$scratch/checkout
 mkdir -p "$top/cmake" "$top/tests" "$scratch/bin"
 cp "$sources/cmake/build.sh" "$top/cmake"
 cp "$sources/tests/run" "$top/tests"
+cp "$sources/hvp" "$top"
 printf '[run]\ncmake\n[test]\nverilator   # translates\n' >"$top/packages.txt"
 touch -d '2020-01-01' "$top/packages.txt" "$top/CMakePresets.json"
 unset HVP_BUILD_DIR
@@ -85,6 +86,29 @@ printf 'deinstall verilator 5.006-2\n' >>"$scratch/installed"
 expect 'a package has gone' 1 "$(configured)"
 touch -d '1 minute' "$top/CMakePresets.json"  # Later than this moment's tick.
 expect 'the presets have changed' 1 "$(configured)"
+
+# ./hvp rtl keeps the engine's size in the build, once, and not where it cannot be built.
+touch -d '2020-01-01' "$top/CMakePresets.json"
+sizes=$top/build/release/rtl-sizes.cmake
+mkdir "$top/build/release/app"
+cat >"$top/build/release/app/hvp" <<'T'
+#!/usr/bin/env bash
+[[ $2 == --cmake ]] || { echo "asked for $*" && exit; }
+grep -qs n9 "$SCRATCH/checkout/build/release/rtl-sizes.cmake" || echo 'hvp_scenario_size(n9 NodeBits 9)'
+T
+chmod +x "$top/build/release/app/hvp"
+expect 'the program has the last word' 'asked for rtl s.toml' "$("$top/hvp" rtl s.toml 2>/dev/null)"
+expect 'a size is asked for' 'hvp_scenario_size(n9 NodeBits 9)' "$(<"$sizes")"
+expect 'its build is configured' 0 "$(configured)"
+"$top/hvp" rtl s.toml >/dev/null 2>&1
+expect 'it is asked for again' 'hvp_scenario_size(n9 NodeBits 9)' "$(<"$sizes")"
+printf 'hvp_scenario_size(n7 NodeBits 7)\n' >"$sizes"
+expect 'the sizes have changed' 1 "$(configured)"
+tool ninja <<<'exit 1'
+status=0
+"$top/hvp" rtl s.toml >/dev/null 2>&1 || status=$?
+expect 'a size that cannot be built' '3 hvp_scenario_size(n7 NodeBits 7)' "$status $(<"$sizes")"
+tool ninja <<<'echo "ninja: no work to do."'
 
 rm -r "$top/build"
 configured >/dev/null

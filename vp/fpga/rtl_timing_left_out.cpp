@@ -20,4 +20,14 @@ void require_rtl(const accel::Architecture& /*architecture*/) { require_rtl(); }
 
 void require_rtl(const fixed::Settings& /*settings*/) { require_rtl(); }
 
+void require_rtl(const accel::Architecture& /*architecture*/, const fixed::Settings& /*settings*/) {
+  require_rtl();
+}
+
+RtlSize rtl_size(const accel::Architecture& /*architecture*/, const fixed::Settings& /*settings*/,
+                 std::span<const int> /*row_begin*/, std::span<const int> /*column*/) {
+  require_rtl();
+  return {};
+}
+
 }  // namespace hvp::vp

@@ -179,10 +179,10 @@ TEST_F(Engine, InSystemVerilogGivesTheBytesOfTheCycleAccurateOne) {
   for (const auto& [name, bytes] : expected) EXPECT_TRUE(found.at(name) == bytes) << name;
   // What it is not built for is refused by the key that says it.
   const std::pair<const char*, const char*> refused[] = {
-      {"accelerator.package=16", "at the level rtl 8 was expected"},
-      {"accelerator.direction_memory=stall", "at the level rtl \"double-pumped\" was expected"},
+      {"accelerator.package=17", "at the level rtl at most 16 was expected"},
+      {"accelerator.pipeline_clocks=15", "at the level rtl at least 19 was expected"},
       {"solver.method=block-jacobi-pcg", "\"cg\" or \"jacobi-pcg\" was expected"},
-      {"solver.vector_bits=18", "at the level rtl 16 was expected"},
+      {"solver.scalar_bits=128", "at the level rtl 64 was expected"},
       {"solver.overflow=wrap", "at the level rtl \"saturate\" was expected"}};
   for (const auto& [set, reason] : refused) {
     SCOPED_TRACE(set);
@@ -190,6 +190,45 @@ TEST_F(Engine, InSystemVerilogGivesTheBytesOfTheCycleAccurateOne) {
     EXPECT_THAT(wrong.err, StartsWith(std::string("--set ") + set));
     EXPECT_THAT(wrong.err, HasSubstr(reason));
   }
+}
+
+// A size is translated by ./hvp rtl: the program says which, and what else there is to do.
+TEST_F(Engine, InSystemVerilogHasTheSizesThatWereAskedFor) {
+  run("cycle-accurate");
+  std::filesystem::remove_all(folder());
+  const Ended there = hvp(place(), {"rtl", "s.toml"});
+  if (there.status == 2) {
+    EXPECT_THAT(there.err, HasSubstr("this build has no engine in"));
+    GTEST_SKIP() << "the RTL engine is left out of this build";
+  }
+  EXPECT_EQ(there.status, 0) << there.err;
+  EXPECT_THAT(there.out, HasSubstr("Partitions 5 "));
+  EXPECT_EQ(hvp(place(), {"rtl", "s.toml", "--cmake"}).out, "");
+
+  const std::vector<std::string> larger = {
+      "--set", "accelerator.partitions=7", "--set", "solver.vector_bits=19",
+      "--set", "solver.scaling_step=3",    "--set", "solver.static_shift=17",
+      "--set", "accelerator.clock=99 MHz", "--set", "accelerator.device=EP2S180"};
+  const auto with = [&](std::vector<std::string> words) {
+    words.insert(words.end(), larger.begin(), larger.end());
+    return hvp(place(), words);
+  };
+  const Ended other = with({"rtl", "s.toml"});
+  EXPECT_EQ(other.status, 1) << other.err;
+  EXPECT_THAT(other.out, HasSubstr("VectorBits 19 "));
+  EXPECT_THAT(other.out, HasSubstr("DivisionClocks 82 StaticBits 5 "));
+  EXPECT_THAT(with({"rtl", "s.toml", "--cmake"}).out,
+              testing::MatchesRegex("hvp_scenario_size\\([a-z0-9_]+ MatrixBits .* VectorBits 19 .* "
+                                    "Partitions 7 .*Preconditioner 0\\)\n"));
+  const Ended refused = with({"run", "s.toml", "--set", "fidelity.accelerator=rtl"});
+  EXPECT_EQ(refused.status, 2);
+  EXPECT_THAT(refused.err, StartsWith("--set fidelity.accelerator=rtl: "));
+  EXPECT_THAT(refused.err, HasSubstr("./hvp rtl s.toml --set fidelity.accelerator=rtl --set "
+                                     "accelerator.partitions=7"));
+  EXPECT_THAT(refused.err, HasSubstr("--set 'accelerator.clock=99 MHz'"));
+  EXPECT_EQ(lines(refused.err).size(), 1U);
+  EXPECT_THAT(names(place()), Not(Contains("out")));
+  EXPECT_EQ(hvp(place(), {"rtl", "s.toml", "--set", "host.solver=cholesky"}).status, 2);
 }
 
 TEST_F(Engine, AWaveformIsThereForWhoAsksAndChangesNothingElse) {

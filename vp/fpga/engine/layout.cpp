@@ -40,6 +40,12 @@ Layout::Layout(const accel::Architecture& architecture, std::span<const int> row
   for (Partition& p : partition_) fill(architecture, p, row_begin, column);
 }
 
+int Layout::most_packages() const {
+  int most = 0;
+  for (const Partition& partition : partition_) most = std::max(most, partition.packages());
+  return most;
+}
+
 void Layout::deal(const accel::Architecture& architecture, std::span<const int> row_begin) {
   for (int row = 0; row < nodes(); ++row) {
     place_[at(row)].packages =

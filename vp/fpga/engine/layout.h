@@ -48,6 +48,8 @@ class Layout {
   int nodes_in_package() const { return nodes_in_package_; }
   const std::vector<Partition>& partitions() const { return partition_; }
   const RowPlace& place(int row) const { return place_[static_cast<std::size_t>(row)]; }
+  // Of the partition that has most.
+  int most_packages() const;
 
  private:
   void deal(const accel::Architecture& architecture, std::span<const int> row_begin);

@@ -16,7 +16,23 @@
 module engine_testbench
   import engine_types::*;
 #(
-    parameter bit Preconditioner = 1'b1  // scenarios' engine has one
+    // The size that the run had: `hvp rtl` says it. These are of the thesis'.
+    parameter bit Preconditioner = 1'b1,
+    parameter int MatrixBits = 12,
+    parameter int VectorBits = 16,
+    parameter int CoefficientBits = 16,
+    parameter int Package = 8,
+    parameter int Partitions = 5,
+    parameter int Lanes = 2,
+    parameter int NodeBits = 10,
+    parameter int PackageBits = 11,
+    parameter int QueueBits = 4,
+    parameter int PhaseClocks = 20,
+    parameter int DivisionClocks = 68,
+    parameter int StaticBits = 4,
+    parameter int RowsInParallel = 3,
+    parameter int DirectionBanks = 1,
+    parameter int DirectionMemory = 0
 );
 
   logic clock;
@@ -42,7 +58,22 @@ module engine_testbench
   wire editing;
   // verilator lint_off PINCONNECTEMPTY
   engine #(
-      .Preconditioner(Preconditioner)
+      .Preconditioner(Preconditioner),
+      .MatrixBits(MatrixBits),
+      .VectorBits(VectorBits),
+      .CoefficientBits(CoefficientBits),
+      .Package(Package),
+      .Partitions(Partitions),
+      .Lanes(Lanes),
+      .NodeBits(NodeBits),
+      .PackageBits(PackageBits),
+      .QueueBits(QueueBits),
+      .PhaseClocks(PhaseClocks),
+      .DivisionClocks(DivisionClocks),
+      .StaticBits(StaticBits),
+      .RowsInParallel(RowsInParallel),
+      .DirectionBanks(DirectionBanks),
+      .DirectionMemory(DirectionMemory)
   ) dut (
       .clock,
       .reset,
