@@ -198,7 +198,7 @@ def pairs(of: Size) -> set[tuple[Value, Value]]:
 
 
 def thesis() -> Size:
-    found = re.search(r"hvp_engine_size\(hvp_rtl_engine thesis TRACED ([^)]*)\)", LEVEL.read_text())
+    found = re.search(r"hvp_scenario_size\(thesis ([^)]*)\)", LEVEL.read_text())
     if found is None:
         raise ValueError(f"{LEVEL} has no size of the thesis")
     return size(found[1])
