@@ -4,7 +4,9 @@
 
 module observed_engine
   import engine_types::*;
-(
+#(
+    parameter int Partitions = 1
+) (
     input wire clock,
     input wire reset,
     input wire go,
@@ -34,7 +36,7 @@ module observed_engine
     input wire [31:0] clamped
 );
 
-  import "DPI-C" function void hvp_begins();
+  import "DPI-C" function void hvp_begins(input int partitions);
   import "DPI-C" function void hvp_ends();
   import "DPI-C" function void hvp_event(input string what, input int number);
   import "DPI-C" function void hvp_pass(input int pass);
@@ -43,7 +45,7 @@ module observed_engine
   logic started;
   initial begin
     started = 1'b0;
-    hvp_begins();
+    hvp_begins(Partitions);
   end
   final hvp_ends();
 
@@ -111,7 +113,9 @@ module observed_partition #(
 
 endmodule
 
-bind engine observed_engine observed (
+bind engine observed_engine #(
+    .Partitions(Partitions)
+) observed (
     .clock,
     .reset,
     .go,
