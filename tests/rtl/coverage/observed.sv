@@ -4,9 +4,7 @@
 
 module observed_engine
   import engine_types::*;
-#(
-    parameter int Partitions = 1
-) (
+(
     input wire clock,
     input wire reset,
     input wire go,
@@ -36,7 +34,7 @@ module observed_engine
     input wire [31:0] clamped
 );
 
-  import "DPI-C" function void hvp_begins(input int partitions);
+  import "DPI-C" function void hvp_begins();
   import "DPI-C" function void hvp_ends();
   import "DPI-C" function void hvp_event(input string what, input int number);
   import "DPI-C" function void hvp_pass(input int pass);
@@ -45,7 +43,7 @@ module observed_engine
   logic started;
   initial begin
     started = 1'b0;
-    hvp_begins(Partitions);
+    hvp_begins();
   end
   final hvp_ends();
 
@@ -113,9 +111,7 @@ module observed_partition #(
 
 endmodule
 
-bind engine observed_engine #(
-    .Partitions(Partitions)
-) observed (
+bind engine observed_engine observed (
     .clock,
     .reset,
     .go,
