@@ -30,7 +30,7 @@ module DP16KD #(
 );
 
   localparam int Bits = DATA_WIDTH_A;
-  localparam int Shift = Bits == 18 ? 4 : $clog2(Bits);
+  localparam int Shift = Bits == 18 ? 4 : Bits == 9 ? 3 : $clog2(Bits);
   if (DATA_WIDTH_B != Bits || CSDECODE_A != "0b000" || CSDECODE_B != "0b000" ||
       WRITEMODE_A != "NORMAL" || WRITEMODE_B != "NORMAL") begin
     $error("this model has two ports of one width");

@@ -2,7 +2,7 @@
 // double_pumped_memory.sv, which the engine is simulated with.
 #include <array>
 #include <cstdint>
-#include <vector>
+#include <type_traits>
 
 #include <gtest/gtest.h>
 
@@ -73,7 +73,9 @@ Counts compare(std::uint64_t seed, int address_bits, int width, int lanes, int c
   const auto write = [&](std::uint64_t address) {
     pair->write = static_cast<std::uint8_t>(lanes == 2 ? 1 + random.below(3) : 1);
     pair->write_address = static_cast<std::uint16_t>(address);
-    pair->write_word = (random.bits() & word_mask) << width | (random.bits() & word_mask);
+    // Two words are as wide as the port, which is another type in each size.
+    pair->write_word = static_cast<std::remove_cvref_t<decltype(pair->write_word)>>(
+        (random.bits() & word_mask) << width | (random.bits() & word_mask));
     ++counts.writes;
   };
   // All words first.

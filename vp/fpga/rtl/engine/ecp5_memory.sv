@@ -11,7 +11,8 @@ module ecp5_memory #(
     localparam int PortBits =
         AddressBits <= 10 ? 18 : AddressBits == 11 ? 9 : AddressBits == 12 ? 4 :
         AddressBits == 13 ? 2 : 1,
-    localparam int Shift = PortBits == 18 ? 4 : $clog2(PortBits)  // of an address within a block's
+    // Of an address within a block's, which counts bits; every eighth one has a ninth beside it.
+    localparam int Shift = PortBits == 18 ? 4 : PortBits == 9 ? 3 : $clog2(PortBits)
 ) (
     input wire clock,
     input wire [1:0] write,
