@@ -30,6 +30,9 @@ module engine
     parameter int BlockBits = 6        // 2^BlockBits blocks of a row at most, for the editor
 ) (
     input wire clock,
+`ifdef ECP5
+    input wire clock2,  // of the copies of d, twice as fast
+`endif
     input wire reset,
     // The host's port, while the engine is idle. Words of x come three clocks behind the address.
     input wire host_write,
@@ -388,6 +391,9 @@ module engine
       .DivisionClocks(DivisionClocks)
   ) matrix (
       .clock,
+`ifdef ECP5
+      .clock2,
+`endif
       .reset,
       .host_write,
       .host_space,
