@@ -6,12 +6,12 @@
 
 #include <gtest/gtest.h>
 
+#include "tests/vp/engine/clocked_module.h"
 // Behind it, as it has what Verilator's headers expect.
 #include <Vdouble_pumped_pair.h>
 #include <Vdouble_pumped_pair_deep.h>
 
 #include "tests/fixed/elastic_box.h"
-#include "tests/vp/engine/clocked_module.h"
 
 namespace hvp::vp::rtl::rtl_memory_test {
 namespace {
