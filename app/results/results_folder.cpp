@@ -82,11 +82,14 @@ void create_folder(const fs::path& folder, std::string_view option) {
   }
 }
 
-void remove_earlier_results(const fs::path& folder) {
+void remove_earlier_results(const fs::path& folder, const std::vector<std::string>& but) {
   try {
     std::vector<fs::path> earlier;
     for (const auto& entry : fs::directory_iterator(folder)) {
-      if (is_result(entry.path().filename().string())) earlier.push_back(entry.path());
+      const std::string name = entry.path().filename().string();
+      if (is_result(name) && std::ranges::find(but, name) == but.end()) {
+        earlier.push_back(entry.path());
+      }
     }
     for (const fs::path& path : earlier) fs::remove(path);
   } catch (const fs::filesystem_error& error) {

@@ -3,6 +3,7 @@
 #include <filesystem>
 #include <string>
 #include <string_view>
+#include <vector>
 
 namespace hvp::app {
 struct Scenario;
@@ -16,8 +17,10 @@ namespace hvp::results {
 void create_folder(const std::filesystem::path& folder, std::string_view option);
 
 // Removes every result file, finished or not, that an earlier run left in the folder, and nothing
-// else, so that all result files in a folder are of the last run. Throws std::runtime_error.
-void remove_earlier_results(const std::filesystem::path& folder);
+// else, so that all result files in a folder are of the last run; those named `but` stay. Throws
+// std::runtime_error.
+void remove_earlier_results(const std::filesystem::path& folder,
+                            const std::vector<std::string>& but = {});
 
 // Locks a results folder for one run; the lock ends with the process, however the process ends.
 class FolderLock {

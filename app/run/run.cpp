@@ -23,6 +23,7 @@
 #include "app/scene/unit_contacts.h"
 #include "driver/hvp_driver.h"
 #include "vp/bus/bus_meter.h"
+#include "vp/fpga/accelerator.h"
 #include "vp/frame/latency_statistics.h"
 #include "vp/platform.h"
 
@@ -257,6 +258,18 @@ results::Outcome outcome_of(const vp::Platform& platform, const Scene& scene,
   return o;
 }
 
+// The engine in SystemVerilog is not that of its description.
+class EngineDifference : public std::runtime_error {
+ public:
+  EngineDifference(const vp::Accelerator& board, bool shown)
+      : std::runtime_error(fmt::format(
+            "{}, in frame {}; {}", board.difference(), board.frame(),
+            shown ? "engine.vcd and engine.fst have what was asked for of the frames up to it"
+                  : fmt::format("with --set output.waveform.first_frame={} engine.vcd and "
+                                "engine.fst show both",
+                                board.frame()))) {}
+};
+
 results::Outcome simulate(Scene& scene, const RunOptions& options) {
   const Scenario& s = scene.scenario();
   const std::filesystem::path& directory = options.directory;
@@ -340,7 +353,16 @@ results::Outcome simulate(Scene& scene, const RunOptions& options) {
 
   platform.stop_when([] { return results::interrupted() != 0; });
 
-  platform.run();
+  try {
+    platform.run();
+  } catch (...) {
+    if (platform.board() == nullptr || platform.board()->difference().empty()) throw;
+    // Where the engines part is what one looks at then.
+    platform.close_waveform();
+    if (waveform) waveform->finish();
+    if (rtl_waveform) rtl_waveform->finish();
+    throw EngineDifference(*platform.board(), waveform.has_value());
+  }
   buses.ended();
   if (platform.servo().ticks() == 0 && results::interrupted() != 0) throw Interrupted();
   if (platform.verdict().frames() == 0) {
@@ -403,6 +425,9 @@ results::Outcome run(Scene& scene, const RunOptions& options) {
   results::remove_earlier_results(options.directory);
   try {
     return simulate(scene, options);
+  } catch (const EngineDifference&) {
+    results::remove_earlier_results(options.directory, {"engine.vcd", "engine.fst"});
+    throw;
   } catch (...) {
     results::remove_earlier_results(options.directory);
     throw;

@@ -1,12 +1,16 @@
 """Mutants of the RTL engine: which of them do the engine's tests notice?
 
+    cmake build/release -DHVP_RTL_SIZES='narrow;wide;stall;banks;rows'
+    cmake --build build/release --target test_rtl_engine
     python tests/rtl/mutation.py --build build/release --count 400
 
 A number of seeded mutants, spread over all modules, are translated at once and run one after the
-other, each by the tests that notice most mutants first. The report says how many were noticed and
-names the survivors. Each of those has to have its reason in survivors.toml: that no test can tell
-it from the original (equivalent), or why none does. Exit status 1 where one has none, or where
-fewer than nine of ten others were noticed.
+other, each by the tests that notice most mutants first. They come in an order by chance, so that
+what --minutes leaves time for is of all modules. Tests and random systems are fewer at first; a
+survivor that has no reason in survivors.toml gets all of them. The report says how many
+mutants were run and how many of these were noticed, and names the survivors. Each of those has to
+have its reason in survivors.toml: that no test can tell it from the original (equivalent), or why
+none does. Exit status 1 where one has none, or where fewer than nine of ten others were noticed.
 """
 
 import argparse
@@ -16,9 +20,10 @@ import random
 import resource
 import subprocess
 import sys
+import time
 import tomllib
 from collections import Counter
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 from mutants import Module, Mutant, entry, explanation
@@ -34,28 +39,58 @@ from translation import (
 HERE = Path(__file__).resolve().parent
 REASONS = HERE / "survivors.toml"
 WANTED = 0.9
-CONTACTS = "Engine/RtlSizes.AgreeOnContacts/narrow"
-# What is first tried on a module's mutants: where there are some, tests of the module by itself.
+RANDOM = "Engine/RtlSizes.AgreeOnRandomSystems"
+CONTACTS = "Engine/RtlSizes.AgreeOnContacts"
+ABORTS = "Engine/RtlSizes.AgreeWhereverASolveIsAborted"
+THRESHOLDS = "Engine/RtlSizes.StopAtTheThreshold"
+# What is first tried on a module's mutants: where there are some, tests of the module by itself,
+# and where only some sizes have the module, one of these.
 FIRST = {
     "scaler.sv": "RtlScaler.*",
     "coefficient_divider.sv": "RtlDivider.*",
-    "edit_visits.sv": CONTACTS,
-    "matrix_editor.sv": CONTACTS,
+    "edit_visits.sv": f"{CONTACTS}/narrow",
+    "matrix_editor.sv": f"{CONTACTS}/narrow",
+    "inverse_maker.sv": f"{RANDOM}/wide",
+    "preconditioner_lane.sv": f"{RANDOM}/wide",
+    "wide_multiplier.sv": f"{RANDOM}/wide",
+    "bank_reads.sv": f"{RANDOM}/banks",
+    "direction_bank.sv": f"{RANDOM}/banks",
+    "direction_copy.sv": f"{RANDOM}/banks",
+    "dual_port_memory.sv": f"{RANDOM}/banks",
 }
 # SystemC elaborates once in a process, so that each of these is one; the first notices most.
 WHOLE = (
-    "Engine/RtlSizes.AgreeOnRandomSystems/narrow",
-    CONTACTS,
-    "Engine/RtlSizes.AgreeOnRandomSystems/wide",
-    "RtlEngine.AgreesWhereverASolveIsAborted",
-    "Engine/RtlSizes.AgreeOnRandomSystems/thesis",
-    "Engine/RtlSizes.StopAtTheThreshold/narrow",
-    "Engine/RtlSizes.AgreeOnContacts/wide",
-    "Engine/RtlSizes.StopAtTheThreshold/wide",
-    "Engine/RtlSizes.AgreeOnContacts/thesis",
-    "Engine/RtlSizes.StopAtTheThreshold/thesis",
-    "RtlEngine.AgreesOnTheThesisSphere",
+    f"{RANDOM}/narrow",
+    f"{CONTACTS}/narrow",
+    "Engine/RtlRows.AgreeBeyondTheWordsOfQ/thesis",
+    "RtlPorts.*",
+    f"{ABORTS}/narrow",
+    f"{CONTACTS}/wide",
+    f"{THRESHOLDS}/wide",
+    f"{RANDOM}/wide",
 )
+# For what none of those notices and nobody has a reason for.
+OTHERS = (
+    "RtlScaler.*",
+    "RtlDivider.*",
+    "RtlEngine.AgreesWhereverTheInverseIsAborted",
+    f"{ABORTS}/wide",
+    f"{THRESHOLDS}/narrow",
+    f"{THRESHOLDS}/thesis",
+    f"{CONTACTS}/banks",
+    f"{CONTACTS}/rows",
+    f"{CONTACTS}/thesis",
+    f"{RANDOM}/narrow",
+    f"{RANDOM}/stall",
+    f"{RANDOM}/thesis",
+    f"{RANDOM}/banks",
+    f"{RANDOM}/rows",
+    f"{RANDOM}/wide",
+    "RtlEngine.AgreesOnTheThesisSphereWithJacobi",
+)
+# Of each test of random systems, at first.
+FEW_SYSTEMS = 60
+ALL_SYSTEMS = 300
 # A test that needs as many times the processor time that it needs without a mutant has no end.
 PATIENCE = 2
 LEAST_SECONDS = 2
@@ -63,6 +98,7 @@ LEAST_SECONDS = 2
 
 @dataclass(frozen=True)
 class Outcome:
+    number: int
     mutant: Mutant
     noticed_by: str | None
 
@@ -77,6 +113,23 @@ def chosen(modules: list[Module], count: int, seed: int) -> dict[str, list[int]]
         wanted = min(there, max(5, round(count * there / total)))
         places[module.name] = sorted(draw.sample(range(there), wanted))
     return places
+
+
+def listed(modules: list[Module], kind: str) -> dict[str, list[int]]:
+    """Places of those that survivors.toml has with that kind: a test may notice them by now."""
+    reasons = [reason for reason in survivors() if reason["kind"] == kind]
+    return {
+        module.name: [
+            place
+            for place, mutant in enumerate(module.mutants)
+            if explanation(mutant, reasons) is not None
+        ]
+        for module in modules
+    }
+
+
+def survivors() -> list[dict[str, str]]:
+    return tomllib.loads(REASONS.read_text())["survivor"] if REASONS.exists() else []
 
 
 def mutated_program(
@@ -118,19 +171,28 @@ class Runner:
         self._program = program
         self._seconds: dict[str, float] = {}
 
-    def passes(self, test: str, number: int) -> bool:
+    def passes(self, test: str, number: int, systems: int = FEW_SYSTEMS) -> bool:
         """With number 0 it has no mutant, and the time it takes is kept."""
         command = [str(self._program), f"--gtest_filter={test}", "--gtest_fail_fast"]
-        limit = LEAST_SECONDS + math.ceil(PATIENCE * self._seconds.get(test, 100.0))
+        patience = PATIENCE * systems / FEW_SYSTEMS
+        limit = LEAST_SECONDS + math.ceil(patience * self._seconds.get(test, 100.0))
         used = resource.getrusage(resource.RUSAGE_CHILDREN).ru_utime
         done = subprocess.run(
             ["prlimit", f"--cpu={limit}", *command],
             check=False,
             capture_output=True,
-            env={**os.environ, "HVP_MUTANT": str(number)},
+            env={
+                **os.environ,
+                "HVP_MUTANT": str(number),
+                "HVP_RTL_SYSTEMS": str(systems),
+            },
         )
         if number == 0:
             self._seconds[test] = resource.getrusage(resource.RUSAGE_CHILDREN).ru_utime - used
+            print(f"{self._seconds[test]:6.1f} s of a processor: {test}", flush=True)
+            # A filter that no test is called by would pass with every mutant.
+            if b" 0 tests from 0 test suites" in done.stdout:
+                return False
         return done.returncode == 0
 
     def noticed_by(self, mutant: Mutant, number: int) -> str | None:
@@ -140,15 +202,22 @@ class Runner:
                 return test
         return None
 
+    def noticed_by_others(self, number: int) -> str | None:
+        """With all systems."""
+        for test in OTHERS:
+            if not self.passes(test, number, ALL_SYSTEMS):
+                return test
+        return None
 
-def report(outcomes: list[Outcome], reasons: list[dict[str, str]]) -> int:
-    """Prints what became of the mutants; returns the exit status."""
+
+def report(outcomes: list[Outcome], drawn: int, reasons: list[dict[str, str]]) -> int:
+    """Prints what became of the mutants, of so many drawn ones; returns the exit status."""
     noticed = Counter(o.mutant.file for o in outcomes if o.noticed_by)
     made = Counter(o.mutant.file for o in outcomes)
     by_test = Counter(o.noticed_by for o in outcomes if o.noticed_by)
-    survivors = [o.mutant for o in outcomes if not o.noticed_by]
+    surviving = [o.mutant for o in outcomes if not o.noticed_by]
     equivalent = unexplained = 0
-    for mutant in survivors:
+    for mutant in surviving:
         reason = explanation(mutant, reasons)
         kind = "without a reason" if reason is None else reason["kind"]
         equivalent += kind == "equivalent"
@@ -163,9 +232,9 @@ def report(outcomes: list[Outcome], reasons: list[dict[str, str]]) -> int:
         print(f"{count:4} noticed by {test}")
     killed, others = sum(noticed.values()), len(outcomes) - equivalent
     print(
-        f"\n{len(outcomes)} mutants: {killed} noticed, {len(survivors)} survive, of which "
-        f"{equivalent} are equivalent and {unexplained} without a reason; of those that are not "
-        f"equivalent {100 * killed / max(others, 1):.1f} % were noticed"
+        f"\n{len(outcomes)} of {drawn} mutants were run: {killed} noticed, {len(surviving)} "
+        f"survive, of which {equivalent} are equivalent and {unexplained} without a reason; of "
+        f"those that are not equivalent {100 * killed / max(others, 1):.1f} % were noticed"
     )
     return 1 if unexplained or killed < WANTED * others else 0
 
@@ -176,12 +245,17 @@ def main() -> int:
     parser.add_argument("--keep", type=Path, help="folder of the translation")
     parser.add_argument("--count", type=int, default=400)
     parser.add_argument("--seed", type=int, default=1)
-    parser.add_argument("--numbers", type=int, nargs=2, help="only mutants from .. to")
+    parser.add_argument("--listed", metavar="KIND", help="those of survivors.toml instead")
+    parser.add_argument("--numbers", type=int, nargs="+", help="only these mutants")
+    parser.add_argument("--minutes", type=float, default=math.inf, help="begin none after as many")
     options = parser.parse_args()
     build = options.build.resolve()
     folder = (options.keep or build / "mutation").resolve()
     modules = [Module(path) for path in sorted(ENGINE.glob("*.sv"))]
-    places = chosen(modules, options.count, options.seed)
+    if options.listed:
+        places = listed(modules, options.listed)
+    else:
+        places = chosen(modules, options.count, options.seed)
     try:
         program, mutants = mutated_program(build, folder, modules, places)
     except NotBuiltError as error:
@@ -192,13 +266,23 @@ def main() -> int:
         if not runner.passes(test, 0):
             print(f"{test} fails without a mutant", file=sys.stderr)
             return 1
-    reasons = tomllib.loads(REASONS.read_text())["survivor"] if REASONS.exists() else []
     outcomes = []
-    first, last = options.numbers or (1, len(mutants))
-    for number, mutant in enumerate(mutants[first - 1 : last], first):
-        outcomes.append(Outcome(mutant, runner.noticed_by(mutant, number)))
+    numbers = list(range(1, len(mutants) + 1))
+    random.Random(options.seed).shuffle(numbers)
+    end = time.monotonic() + 60 * options.minutes
+    for number in options.numbers or numbers:
+        if time.monotonic() > end:
+            break
+        mutant = mutants[number - 1]
+        outcomes.append(Outcome(number, mutant, runner.noticed_by(mutant, number)))
         print(f"{number} {outcomes[-1].noticed_by or 'SURVIVES'}: {mutant}", flush=True)
-    return report(outcomes, reasons)
+    reasons = survivors()
+    for place, outcome in enumerate(outcomes):
+        if outcome.noticed_by is None and explanation(outcome.mutant, reasons) is None:
+            noticed_by = runner.noticed_by_others(outcome.number)
+            outcomes[place] = replace(outcome, noticed_by=noticed_by)
+            print(f"{outcome.number} {noticed_by or 'SURVIVES ALL'}: {outcome.mutant}", flush=True)
+    return report(outcomes, len(mutants), reasons)
 
 
 if __name__ == "__main__":

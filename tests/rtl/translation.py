@@ -15,7 +15,13 @@ TOP = Path(__file__).resolve().parents[2]
 ENGINE = TOP / "vp/fpga/rtl/engine"
 PROGRAM = "test_rtl_engine"
 # What a translation is linked with, of Verilator's own library.
-LIBRARY = ("verilated.cpp", "verilated_threads.cpp", "verilated_dpi.cpp", "verilated_cov.cpp")
+LIBRARY = (
+    "verilated.cpp",
+    "verilated_threads.cpp",
+    "verilated_dpi.cpp",
+    "verilated_cov.cpp",
+    "verilated_fst_c.cpp",  # the level's own size can write a waveform
+)
 VERILATOR_INCLUDES = Path("/usr/share/verilator/include")
 
 

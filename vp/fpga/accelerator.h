@@ -93,6 +93,7 @@ class Accelerator : public sc_core::sc_module, private ListOwner {
   void record_port(const EnginePortSink& record) { timing_->record_port(record); }
   // What the level rtl has compared; empty at other levels.
   std::optional<rtl::Compared> compared() const { return timing_->compared(); }
+  std::string difference() const { return timing_->difference(); }
   // A waveform of the RTL engine, as JobTiming says.
   bool open_rtl_waveform(const std::string& path, const engine::TraceWindow& window) {
     return timing_->open_rtl_waveform(path, window);

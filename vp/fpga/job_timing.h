@@ -81,6 +81,8 @@ class JobTiming {
   virtual const engine::CycleEngine* engine() const { return nullptr; }
   // What the level rtl has compared so far; empty at other levels.
   virtual std::optional<rtl::Compared> compared() const { return std::nullopt; }
+  // Where the engines of the level rtl part, which ends the run; empty: nowhere so far.
+  virtual std::string difference() const { return {}; }
   // A waveform of the RTL engine, in GTKWave's format FST, until it is closed; false at other
   // levels.
   virtual bool open_rtl_waveform(const std::string& /*path*/,

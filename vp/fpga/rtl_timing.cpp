@@ -71,6 +71,7 @@ class EveryRtlClock : public EveryClock {
     if (!both_->difference().empty()) throw std::runtime_error(both_->difference());
     return EveryClock::confirms(solution);
   }
+  std::string difference() const override { return both_ ? both_->difference() : std::string(); }
   void record_port(const EnginePortSink& record) override {
     record_ = record;
     if (both_) both_->rtl().record = record;

@@ -13,8 +13,9 @@
 namespace {
 
 std::map<std::pair<std::string, int>, long long> events;
-// By pass, whether a package waits, rows that wait, and how many have room.
-std::map<std::tuple<int, int, int, int>, long long> partitions;
+// By pass, for what a package waits, rows that wait, how many have room, and whether the size has
+// packages that take turns.
+std::map<std::tuple<int, int, int, int, int>, long long> partitions;
 int engines = 0;
 int pass = -1;  // no engine has had a clock
 
@@ -33,8 +34,9 @@ void hvp_ends() {
     std::fprintf(file, "event\t%s\t%d\t%lld\n", event.first.c_str(), event.second, count);
   }
   for (const auto& [seen, count] : partitions) {
-    const auto [of_pass, waits, rows, depth] = seen;
-    std::fprintf(file, "partition\t%d\t%d\t%d\t%d\t%lld\n", of_pass, waits, rows, depth, count);
+    const auto [of_pass, waits, rows, depth, turns] = seen;
+    std::fprintf(file, "partition\t%d\t%d\t%d\t%d\t%d\t%lld\n", of_pass, waits, rows, depth, turns,
+                 count);
   }
   std::fclose(file);
 }
@@ -43,7 +45,7 @@ void hvp_event(const char* what, int number) { ++events[{what, number}]; }
 
 void hvp_pass(int of_engine) { pass = of_engine; }
 
-void hvp_partition(int waits, int rows, int depth) {
-  if (pass >= 0) ++partitions[{pass, waits, rows, depth}];
+void hvp_partition(int waits, int rows, int depth, int turns) {
+  if (pass >= 0) ++partitions[{pass, waits, rows, depth, turns}];
 }
 }

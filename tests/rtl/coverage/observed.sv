@@ -9,8 +9,11 @@ module observed_engine
     input wire reset,
     input wire go,
     input wire copy,
+    input wire invert,
     input wire edit,
     input wire restores,
+    input wire editing,
+    input wire preconditions,
     input wire state_t state,
     input wire pass_t pass,
     input wire [31:0] nodes,
@@ -51,9 +54,15 @@ module observed_engine
     if (started || go) begin
       if (reset && state != InIdle) hvp_event("abort in state", int'(state));
       if (copy && !reset) hvp_event("copy of x", 0);
-      if (edit && !reset) hvp_event("edit that restores", int'(restores));
+      if (invert && !reset) hvp_event("inverse of all nodes", int'(preconditions));
+      if (edit && !reset) begin
+        hvp_event("edit that restores", int'(restores));
+        hvp_event("edit with a preconditioner", int'(preconditions));
+      end
+      if (reset && editing) hvp_event("abort of the inverse", 0);
       if (go) begin
         hvp_event("solve of nodes, 3 or more", nodes > 32'd3 ? 3 : int'(nodes));
+        hvp_event("solve with a preconditioner", int'(preconditions));
         hvp_event("start from zero", int'(starts_zero));
         if (extrapolated) hvp_event("extrapolated with a solution before", int'(has_previous));
         hvp_event("dynamic scaling", int'(dynamic_scaling));
@@ -76,22 +85,27 @@ module observed_engine
 endmodule
 
 module observed_partition #(
-    parameter int QueueBits = 4
+    parameter int QueueBits = 4,
+    parameter bit Turns = 1'b0  // packages take several, for the banks of d or for the multipliers
 ) (
     input wire clock,
     input wire reset,
     input wire start,
-    input wire running,
-    input wire issue,
+    input wire waits_for_turns,
+    input wire waits_for_room,
     input wire empty,  // it has no row
     input wire [QueueBits:0] rows
 );
 
   import "DPI-C" function void hvp_event(input string what, input int number);
-  import "DPI-C" function void hvp_partition(input int waits, input int rows, input int depth);
+  import "DPI-C" function void hvp_partition(input int waits, input int rows, input int depth,
+                                             input int turns);
 
   always_ff @(posedge clock) begin
-    if (!reset) hvp_partition(int'(running && !issue), int'(rows), 2 ** QueueBits);
+    if (!reset) begin
+      hvp_partition(waits_for_room ? 2 : int'(waits_for_turns), int'(rows), 2 ** QueueBits,
+                    int'(Turns));
+    end
     if (!reset && start && empty) hvp_event("product of an empty partition", 0);
   end
 
@@ -102,8 +116,11 @@ bind engine observed_engine observed (
     .reset,
     .go,
     .copy,
+    .invert,
     .edit,
     .restores,
+    .editing,
+    .preconditions,
     .state,
     .pass,
     .nodes(32'(nodes)),
@@ -124,13 +141,14 @@ bind engine observed_engine observed (
     .clamped
 );
 bind spmxv_partition observed_partition #(
-    .QueueBits(QueueBits)
+    .QueueBits(QueueBits),
+    .Turns(Nodes > DirectionAccesses || RowsInParallel < 3)
 ) observed (
     .clock,
     .reset,
     .start,
-    .running,
-    .issue,
+    .waits_for_turns,
+    .waits_for_room,
     .empty(packages == '0),
     .rows(finished - taken)
 );

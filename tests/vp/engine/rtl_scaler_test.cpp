@@ -1,5 +1,6 @@
 // scaler.sv against fixed::ReferenceMachine::rescaling: whole systems seldom come to where a bit
 // that was cut decides.
+#include <algorithm>
 #include <cstdint>
 
 #include <gtest/gtest.h>
@@ -14,11 +15,13 @@
 namespace hvp::vp::rtl::rtl_scaler_test {
 namespace {
 
-// The parameters that the module has by itself: the thesis' words.
+// The parameters that the module has by itself, the thesis' words, but for that of wide words,
+// which CMakeLists.txt has.
 constexpr int kFirstBits = 15;
 constexpr int kMantissaBits = 15;
 constexpr int kLargestBits = 31;
 constexpr int kWordBits = 16;
+constexpr int kWideWordBits = 32;
 constexpr int kAvailable = 15;
 constexpr std::uint32_t kExponentMask = (1U << 22U) - 1;
 
@@ -28,7 +31,10 @@ struct Case {
   std::uint32_t mantissa = 0;
   std::uint32_t largest = 0;
   int second_exponent = 0;
+  bool wide = false;
 };
+
+int word_bits(bool wide) { return wide ? kWideWordBits : kWordBits; }
 
 class Scaler {
  public:
@@ -38,6 +44,7 @@ class Scaler {
     module_->mantissa = static_cast<std::uint16_t>(c.mantissa);
     module_->largest = c.largest;
     module_->second_exponent = static_cast<std::uint32_t>(c.second_exponent) & kExponentMask;
+    module_->wide = c.wide ? 1 : 0;
     module_->dynamic_scaling = s.dynamic_scaling ? 1 : 0;
     module_->scaling_down = s.scaling_down ? 1 : 0;
     module_->target = static_cast<std::uint8_t>(kAvailable - s.headroom_bits);
@@ -58,7 +65,8 @@ int expected(const Case& c, const fixed::Settings& s) {
   fixed::Report report;
   const fixed::ReferenceMachine machine(s, report);
   return machine.rescaling(c.first, c.first_exponent, std::uint64_t{c.mantissa} * c.largest,
-                           c.second_exponent, kWordBits, kAvailable - s.headroom_bits, kAvailable);
+                           c.second_exponent, word_bits(c.wide), kAvailable - s.headroom_bits,
+                           kAvailable);
 }
 
 void expect_same(Scaler& scaler, const Case& c, const fixed::Settings& s) {
@@ -91,7 +99,8 @@ TEST(RtlScaler, AgreesOnRandomBounds) {
                     .first_exponent = random.below(60) - 30,
                     .mantissa = word(kMantissaBits),
                     .largest = word(kLargestBits),
-                    .second_exponent = random.below(120) - 80};
+                    .second_exponent = random.below(120) - 80,
+                    .wide = random.below(2) == 0};
     expect_same(scaler, c, s);
     if (HasFatalFailure()) return;
   }
@@ -101,9 +110,9 @@ constexpr std::uint64_t kOne = 1;
 constexpr int kAdderBits = 40;
 
 // The least sum that has a bit more than the adder once room for the rounding is added.
-std::uint64_t least_sum() {
-  const auto length = [](std::uint64_t sum) {
-    return fixed::bit_length(sum + (sum >> (kWordBits - 3)));
+std::uint64_t least_sum(bool wide) {
+  const auto length = [&](std::uint64_t sum) {
+    return fixed::bit_length(sum + (sum >> (word_bits(wide) - 3)));
   };
   std::uint64_t least = kOne << (kAdderBits - 1);
   for (int bit = kAdderBits - 2; bit >= 0; --bit) {
@@ -115,9 +124,9 @@ std::uint64_t least_sum() {
 }
 
 // Sums within two units of the adder of one that has a bit more, with a second term that is cut.
-TEST(RtlScaler, AgreesWhereACutBitDecides) {
+void compare_cut_bits(bool wide) {
   constexpr int kBelowFirst = kAdderBits - kFirstBits;
-  const std::uint64_t least = least_sum();
+  const std::uint64_t least = least_sum(wide);
   Scaler scaler;
   fixed::Settings s;
   s.headroom_bits = 0;
@@ -131,18 +140,23 @@ TEST(RtlScaler, AgreesWhereACutBitDecides) {
                       .first_exponent = exponent,
                       .mantissa = 1U << 14U,
                       .largest = low,
-                      .second_exponent = exponent - kBelowFirst - 14};
+                      .second_exponent = exponent - kBelowFirst - 14,
+                      .wide = wide};
       expect_same(scaler, c, s);
-      if (HasFatalFailure()) return;
-      if (expected(c, s) != expected({.first = c.first, .first_exponent = exponent}, s)) ++grown;
+      if (testing::Test::HasFatalFailure()) return;
+      const Case alone = {.first = c.first, .first_exponent = exponent, .wide = wide};
+      if (expected(c, s) != expected(alone, s)) ++grown;
     }
   }
   EXPECT_EQ(grown, 41 * 5);  // from one below on, as the cut counts as one
 }
 
+TEST(RtlScaler, AgreesWhereACutBitDecides) { compare_cut_bits(false); }
+TEST(RtlScaler, AgreesWhereACutBitDecidesOfWideWords) { compare_cut_bits(true); }
+
 // A term that is shifted out altogether still counts as one.
 TEST(RtlScaler, AgreesWhereATermIsShiftedOut) {
-  const std::uint64_t least = least_sum();
+  const std::uint64_t least = least_sum(false);
   Scaler scaler;
   fixed::Settings s;
   s.headroom_bits = 0;
@@ -164,6 +178,29 @@ TEST(RtlScaler, AgreesWhereATermIsShiftedOut) {
     }
   }
   EXPECT_GE(grown, 5);
+}
+
+// The largest shift has eight bits, and a bound that asks for more gets that, in whole steps. No
+// engine has words so far apart.
+TEST(RtlScaler, AShiftBeyondTheLargestIsTheLargest) {
+  constexpr int kLargestShift = 255;
+  Scaler scaler;
+  fixed::test::Random random(2);
+  int longer = 0;
+  for (int i = 0; i < 20'000; ++i) {
+    fixed::Settings s = random_settings(random);
+    s.dynamic_scaling = true;
+    const int exponent = random.below(1'200) - 600;
+    const Case c = {.first = 1U + static_cast<std::uint32_t>(random.below(1 << 14U)),
+                    .first_exponent = exponent,
+                    .second_exponent = exponent};
+    const int step = s.scaling_step;
+    const int up = kLargestShift / step * step;
+    const int wanted = std::clamp(expected(c, s), -up, up);
+    ASSERT_EQ(scaler.up(c, s), wanted) << c.first << " * 2^" << exponent << " by " << step;
+    longer += wanted == expected(c, s) ? 0 : 1;
+  }
+  EXPECT_GT(longer, 1'000);
 }
 
 }  // namespace

@@ -29,7 +29,8 @@ void FstFile::declare(void* self, VerilatedFst* trace, std::uint32_t code) {
   for (const ShownSignal& signal : file.shown_) {
     std::string name = signal.name;
     std::ranges::replace(name, '.', ' ');
-    // Verilator keeps what was written last at its code, a real or 64 bits as one object of 8 bytes.
+    // Verilator keeps what was written last at its code, a real or 64 bits as one object of 8
+    // bytes.
     if (words(signal.bits) == 2) code += code % 2;
     file.code_.push_back(code);
     constexpr int kUnnamedType = -1;

@@ -97,7 +97,12 @@ void require_buildable(const accel::Architecture& a, const fixed::Settings& s) {
   // With z.r behind the last rank of a pass the divider begins later.
   constexpr int kRanksOfSums = 24;
   const int late = s.preconditioned() ? std::max(0, kRanksOfSums - a.phase_clocks()) : 0;
-  const int least = (s.scalar_bits - 1) / 8 + s.coefficient_bits + 41 + late;
+  int least = (s.scalar_bits - 1) / 8 + s.coefficient_bits + 41 + late;
+  if (s.preconditioned()) {
+    // Three divisions look up a node's row, of a package a clock, and make its words of P⁻¹.
+    const int packages = (3 * EngineSize::kBlocksOfARow + a.package - 1) / a.package;
+    least = std::max(least, (12 + packages + 3 * (s.matrix_bits + 23) + 2) / 3);
+  }
   require_at_least("division_clocks", static_cast<int>(a.division(s)), least);
 }
 

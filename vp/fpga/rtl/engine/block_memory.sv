@@ -13,17 +13,32 @@ module block_memory #(
     input wire [AddressBits-1:0] write_address,
     input wire [Width-1:0] write_word,
     input wire [AddressBits-1:0] read_address,
-    output logic [Width-1:0] word
+    output wire [Width-1:0] word
 );
 
+`ifdef ECP5
+  ecp5_block_memory #(
+      .Width(Width),
+      .AddressBits(AddressBits)
+  ) memory (
+      .clock,
+      .write,
+      .write_address,
+      .write_word,
+      .read_address,
+      .word
+  );
+`else
   logic [Width-1:0] cells[2**AddressBits];
-  logic [Width-1:0] read;
+  logic [Width-1:0] read, read_before;
+  assign word = read_before;
 
   always_ff @(posedge clock) begin
     if (write) cells[write_address] <= write_word;
     read <= cells[read_address];
-    word <= read;
+    read_before <= read;
   end
+`endif
 
 endmodule
 

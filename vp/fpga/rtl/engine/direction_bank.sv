@@ -14,6 +14,9 @@ module direction_bank #(
     parameter int Lanes = 2    // up to 2
 ) (
     input wire clock,
+`ifdef ECP5
+    input wire clock2,
+`endif
     input wire product,  // whose addresses are read
     input wire [Reads-1:0][AddressBits-1:0] package_address,
     input wire [AddressBits-1:0] pass_address,  // of the first lane
@@ -32,16 +35,22 @@ module direction_bank #(
         .Lanes(Lanes)
     ) memory (
         .clock,
+`ifdef ECP5
+        .clock2,
+`endif
         .product,
         .package_address,
         .pass_address,
         .word,
+        .pass_word,
         .write,
         .write_address,
         .write_word
     );
-    assign pass_word = word[Lanes-1:0];
   end else begin : g_dual_port
+`ifdef ECP5
+    wire unused_clock = &{1'b0, clock2};
+`endif
     // Copies with the same words, of which each has two ports. A pass reads the first one; with two
     // lanes both ports read or both write, with one the second port writes.
     localparam int Copies = Memory == 1 ? 2 : 1;

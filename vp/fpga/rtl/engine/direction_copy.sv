@@ -14,6 +14,9 @@ module direction_copy #(
     parameter int Accesses = 4
 ) (
     input wire clock,
+`ifdef ECP5
+    input wire clock2,
+`endif
     input wire product,
     // The package that is served: which of its nodes have the component, their reads' numbers in
     // their banks, and its turn.
@@ -68,6 +71,9 @@ module direction_copy #(
         .Lanes(InBank)
     ) bank (
         .clock,
+`ifdef ECP5
+        .clock2,
+`endif
         .product,
         .package_address(address[b]),
         .pass_address(pass_node[NodeBits-1:BankBits]),

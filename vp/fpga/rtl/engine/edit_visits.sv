@@ -45,7 +45,8 @@ module edit_visits #(
   localparam int QueueBits = BlockBits;  // as many packages as blocks: no fewer than three columns
   localparam int CountBits = $clog2(Nodes + 1);
 
-  logic [PlaceBits-1:0] places[2**NodeBits];
+  // Its node holds still while a word could be read that is just written.
+  (* no_rw_check *) logic [PlaceBits-1:0] places[2**NodeBits];
   logic [PlaceBits-1:0] place;
 
   // ---- The own row's index words, until their nodes are looked up.
@@ -68,8 +69,14 @@ module edit_visits #(
     end
   end
   // Its first column is in the package: 3 index - phase < Package.
-  wire there = 3 * int'(index) < int'(phase) + Package && int'(index) < Nodes;
-  wire next_there = 3 * (int'(index) + 1) < int'(phase) + Package && int'(index) + 1 < Nodes;
+  function automatic logic in_package(input int number, input logic [1:0] phase_of_word);
+    in_package = 1'b0;
+    for (int n = 0; n < Nodes; ++n) begin
+      if (number == n && 3 * n < int'(phase_of_word) + Package) in_package = 1'b1;
+    end
+  endfunction
+  wire there = in_package(int'(index), phase);
+  wire next_there = in_package(int'(index) + 1, phase);
   wire has_word = scanning && put != got;
   wire looks = has_word && there && scanned != blocks;
 
@@ -92,6 +99,7 @@ module edit_visits #(
   wire takes_next = next_valid && (!current_valid || last);
   wire takes_read = read_valid && (!next_valid || takes_next);
   wire takes_scanned = !read_valid || takes_read;
+  wire [NodeBits-1:0] place_address = busy ? neighbour : node;
 
   function automatic logic [BlockBits+2:0] columns_of(input logic [BlockBits:0] count);
     return {1'b0, count, 1'b0} + {2'b00, count};
@@ -104,8 +112,7 @@ module edit_visits #(
 
   always_ff @(posedge clock) begin
     if (place_write) places[place_node] <= place_word;
-    if (!busy) place <= places[node];
-    else if (takes_scanned) place <= places[neighbour];
+    if (!busy || takes_scanned) place <= places[place_address];
 
     if (index_valid) begin
       words[put] <= {index_phase, index_nodes};

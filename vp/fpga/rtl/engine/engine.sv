@@ -30,6 +30,9 @@ module engine
     parameter int BlockBits = 6        // 2^BlockBits blocks of a row at most, for the editor
 ) (
     input wire clock,
+`ifdef ECP5
+    input wire clock2,  // of the copies of d, twice as fast
+`endif
     input wire reset,
     // The host's port, while the engine is idle. Words of x come three clocks behind the address.
     input wire host_write,
@@ -74,7 +77,9 @@ module engine
   localparam int GrowthBits = 4;  // of a row's sum, thesis section 5.5
   localparam int Excess = MatrixBits + VectorBits + GrowthBits - ProductBits;
   localparam int ProductShift = Excess > 0 ? Excess : 0;
-  localparam int RowBits = MatrixBits + VectorBits + NodeBits;  // no row's exact sum is longer
+  // No row's exact sum is longer: of 2^BlockBits blocks at most, with three columns each.
+  localparam int RowBits =
+      MatrixBits + VectorBits + (NodeBits > BlockBits ? NodeBits : NodeBits + 1);
   localparam int SumBits = RowBits > ProductBits ? RowBits : ProductBits + 1;
   localparam int ResidualBits = Preconditioner ? WideBits : VectorBits;
   localparam int DirectionBits =
@@ -104,6 +109,12 @@ module engine
   if (PhaseClocks < 19) $error("the lanes have ranks up to 18");
   if (DivisionClocks < (ScalarBits - 1) / 8 + CoefficientBits + 41 + LateSums) begin
     $error("the divider and the scaler take longer than a division");
+  end
+  // Of a node: what looks its row up, whose packages are a clock each, and three serial divisions.
+  localparam int MostPackages = (3 * 2 ** BlockBits + Package - 1) / Package;
+  localparam int InverseClocks = 12 + MostPackages + 3 * (MatrixBits + InverseBits + 5);
+  if (Preconditioner && 3 * DivisionClocks < InverseClocks) begin
+    $error("a node's words of the inverse diagonal take longer than three divisions");
   end
 
   // ---- Settings.
@@ -380,6 +391,9 @@ module engine
       .DivisionClocks(DivisionClocks)
   ) matrix (
       .clock,
+`ifdef ECP5
+      .clock2,
+`endif
       .reset,
       .host_write,
       .host_space,

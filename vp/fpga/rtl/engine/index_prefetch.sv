@@ -32,7 +32,8 @@ module index_prefetch #(
     output wire ends  // it is the last one
 );
 
-  logic [Bits-1:0] cells[2**PackageBits];
+  // A word that is read while it is written is not used: a block RAM needs no logic for that.
+  (* no_rw_check *) logic [Bits-1:0] cells[2**PackageBits];
   logic read_valid, read_ends;
   logic [PackageBits-1:0] fetched;
 

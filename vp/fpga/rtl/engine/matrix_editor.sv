@@ -1,8 +1,8 @@
 // Clears the row and the column of a contact node but for its diagonal, or restores them from a row
 // that the host has sent (engine::MatrixEditor; thesis sections 3.7 and 6.2.1).
 //
-// A package goes through three ranks: its memories are read (two), its words are changed, and it is
-// written back. An order takes the clocks of its visits, one a package, and PhaseClocks more. Each tells
+// A package goes through five ranks: its memories are read (two), its nodes are looked up among the
+// contacts, what becomes of them is decided, its words are changed, and it is written back. An order takes the clocks of its visits, one a package, and PhaseClocks more. Each tells
 // the diagonal of the node's row, which `look` only reads.
 `default_nettype none
 
@@ -55,11 +55,28 @@ module matrix_editor #(
   localparam int BankBits = Nodes > 4 ? 3 : 2;  // a package touches no more blocks
   localparam int Banks = 2 ** BankBits;
 
-  // ---- Contact nodes, one bit each: looked up for every column of a package.
-  logic contact[2**NodeBits];
-  always_ff @(posedge clock) begin
-    if (start && !look) contact[node] <= !restores;
-    else if (contact_write) contact[contact_node] <= contact_word;
+  // ---- Contact nodes, one bit each, in as many memories as the nodes of a package and the row need
+  // ports. All are written at the same edge, through the first port.
+  localparam int Contacts = (Nodes + 2) / 2;
+  wire contact_writes = contact_write || (start && !look);
+  wire [NodeBits-1:0] contact_written = start && !look ? node : contact_node;
+  wire contact_new = start && !look ? !restores : contact_word;
+  logic [2*Contacts-1:0][NodeBits-1:0] contact_read;
+  wire [2*Contacts-1:0] is_contact3;
+  for (genvar i = 0; i < Contacts; ++i) begin : g_contact
+    wire [1:0][NodeBits-1:0] address = {
+      contact_read[2*i+1], contact_writes ? contact_written : contact_read[2*i]
+    };
+    dual_port_memory #(
+        .Width(1),
+        .AddressBits(NodeBits)
+    ) memory (
+        .clock,
+        .write({1'b0, contact_writes}),
+        .address,
+        .write_word({1'b0, contact_new}),
+        .word(is_contact3[2*i+:2])
+    );
   end
 
   // ---- The row that comes back: block i is in memory i mod Banks.
@@ -91,7 +108,7 @@ module matrix_editor #(
     else if (looked || reset) looks <= 1'b0;
   end
 
-  // ---- Visits. Ranks: the address, the memories' registers, and the words.
+  // ---- Visits. Ranks: the address, the memories' registers, the nodes, and the words.
   wire visits_left, visit, visit_own;
   wire [PartitionBits-1:0] visit_partition;
   wire [NodeBits-1:0] visit_row;
@@ -151,36 +168,63 @@ module matrix_editor #(
 
   wire unused = &{1'b0, index2[IndexBits-1], index2[Nodes*NodeBits+:NodeBits]};
 
-  // ---- The words that are changed. Column c is component (phase + c) mod 3 of node (phase + c) / 3.
-  assign first_block = block[2];
-  wire row_is_contact = contact[row[2]];
-  logic [Nodes-1:0] node_is_contact;
-  always_comb for (int n = 0; n < Nodes; ++n) node_is_contact[n] = contact[nodes2[n]];
-
-  // The block of the own row that node n of the package is; a neighbour's row has one block there.
+  // ---- Rank 3: the partition's words, and which nodes are contacts. Rank 4: what becomes of each node's
+  // words, and the own row's blocks.
+  always_comb begin
+    contact_read = '0;
+    for (int n = 0; n < Nodes; ++n) contact_read[n] = nodes2[n];
+    contact_read[Nodes] = row[2];
+  end
+  logic valid3, valid4, own3, own4;
+  logic [1:0] phase3, phase4;
+  logic [PartitionBits-1:0] partition3, partition4;
+  logic [PackageBits-1:0] package3, package4;
+  logic [BlockBits-1:0] block3;
+  assign first_block = block3;
+  logic [ColumnBits-1:0] columns3, columns4;
+  logic [2:0][Package-1:0][MatrixBits-1:0] words3, words4;
+  logic [Nodes-1:0] is_node3, is_node;
+  logic [Nodes-1:0] touched;  // they are cleared or restored, and do not stay
+  // The block of the own row that node n of the package is; a neighbour's row has one block there,
+  // which is its transpose.
   logic [Nodes-1:0][8:0][MatrixBits-1:0] block_of;
-  always_comb begin
+  always_ff @(posedge clock) begin
+    valid3 <= valid[2] && !reset;
+    own3 <= own[2];
+    phase3 <= phase2;
+    partition3 <= partition[2];
+    package3 <= package_at[2];
+    block3 <= block[2];
+    columns3 <= columns[2];
+    words3 <= words[partition[2]];
+    valid4 <= valid3 && !reset;
+    own4 <= own3;
+    phase4 <= phase3;
+    partition4 <= partition3;
+    package4 <= package3;
+    columns4 <= columns3;
+    words4 <= words3;
+    is_node <= is_node3;
     for (int n = 0; n < Nodes; ++n) begin
-      automatic logic [BankBits-1:0] bank = block[2][BankBits-1:0] + (own[2] ? BankBits'(n) : '0);
-      block_of[n] = staged[bank];
+      automatic logic [BankBits-1:0] bank = block3[BankBits-1:0] + (own3 ? BankBits'(n) : '0);
+      is_node3[n] <= nodes2[n] == node;
+      touched[n] <= looks ? 1'b0 : own3 ? is_node3[n] || !(restores && is_contact3[n])
+                          : is_node3[n] && !(restores && is_contact3[Nodes]);
+      for (int r = 0; r < 3; ++r) begin
+        for (int k = 0; k < 3; ++k) begin
+          block_of[n][3*r+k] <= own3 ? staged[bank][3*r+k] : staged[bank][3*k+r];
+        end
+      end
     end
   end
 
-  // What becomes of node n's words: they are cleared or restored, or stay.
-  logic [Nodes-1:0] is_node, touched;
-  always_comb begin
-    for (int n = 0; n < Nodes; ++n) begin
-      is_node[n] = nodes2[n] == node;
-      touched[n] = looks ? 1'b0 : own[2] ? is_node[n] || !(restores && node_is_contact[n])
-                          : is_node[n] && !(restores && row_is_contact);
-    end
-  end
+  // ---- The words that are changed. Column c is component (phase + c) mod 3 of node (phase + c) / 3.
   // The word of row r and component k of node n.
   function automatic logic [MatrixBits-1:0] word_of(input logic [8:0][MatrixBits-1:0] from,
                                                     input logic of_node, input int r,
                                                     input int k);
-    if (restores) return own[2] ? from[3*r+k] : from[3*k+r];
-    return own[2] && of_node && r == k ? diagonal : '0;
+    if (restores) return from[3*r+k];
+    return own4 && of_node && r == k ? diagonal : '0;
   endfunction
 
   // Column c is a component of a node for each of the three phases.
@@ -190,10 +234,10 @@ module matrix_editor #(
     localparam int Node2 = (c + 2) / 3 < Nodes ? (c + 2) / 3 : Nodes - 1;  // the phase is 0 then
     for (genvar r = 0; r < 3; ++r) begin : g_row
       always_ff @(posedge clock) begin
-        if (valid[2]) begin
-          new_words[r][c] <= words[partition[2]][r][c];
-          if (ColumnBits'(c) < columns[2]) begin
-            case (phase2)
+        if (valid4) begin
+          new_words[r][c] <= words4[r][c];
+          if (ColumnBits'(c) < columns4) begin
+            case (phase4)
               2'd0:
               if (touched[Node0]) begin
                 new_words[r][c] <= word_of(block_of[Node0], is_node[Node0], r, c % 3);
@@ -214,39 +258,39 @@ module matrix_editor #(
   end
   always_ff @(posedge clock) begin
     for (int p = 0; p < Partitions; ++p) begin
-      write[p] <= valid[2] && partition[2] == PartitionBits'(p) && !looks && !reset;
+      write[p] <= valid4 && partition4 == PartitionBits'(p) && !looks && !reset;
     end
-    write_package <= package_at[2];
+    write_package <= package4;
   end
 
-  // ---- The diagonal of the own row, as its words are behind rank 2.
-  logic valid3;
-  logic [Package-1:0] on_diagonal3;  // columns of the node's own block
-  logic [1:0] phase3;
+  // ---- The diagonal of the own row, as its words are behind rank 4.
+  logic valid5;
+  logic [Package-1:0] on_diagonal5;  // columns of the node's own block
+  logic [1:0] phase5;
   always_ff @(posedge clock) begin
-    valid3 <= valid[2] && !reset;
-    phase3 <= phase2;
+    valid5 <= valid4 && !reset;
+    phase5 <= phase4;
   end
   for (genvar c = 0; c < Package; ++c) begin : g_diagonal
     localparam int Node0 = c / 3;
     localparam int Node1 = (c + 1) / 3 < Nodes ? (c + 1) / 3 : Nodes - 1;
     localparam int Node2 = (c + 2) / 3 < Nodes ? (c + 2) / 3 : Nodes - 1;
-    wire of_node = phase2 == 2'd0 ? is_node[Node0] : phase2 == 2'd1 ? is_node[Node1] : is_node[Node2];
+    wire of_node = phase4 == 2'd0 ? is_node[Node0] : phase4 == 2'd1 ? is_node[Node1] : is_node[Node2];
     always_ff @(posedge clock) begin
-      on_diagonal3[c] <= valid[2] && own[2] && ColumnBits'(c) < columns[2] && of_node;
+      on_diagonal5[c] <= valid4 && own4 && ColumnBits'(c) < columns4 && of_node;
     end
   end
   always_ff @(posedge clock) begin
     for (int r = 0; r < 3; ++r) begin
       for (int c = 0; c < Package; ++c) begin
-        if (on_diagonal3[c] && 2'(r) == (phase3 == 2'd0 ? 2'(c % 3) : phase3 == 2'd1
+        if (on_diagonal5[c] && 2'(r) == (phase5 == 2'd0 ? 2'(c % 3) : phase5 == 2'd1
                                          ? 2'((c + 1) % 3) : 2'((c + 2) % 3))) begin
           diagonal_words[r] <= new_words[r][c];
         end
       end
     end
   end
-  assign looked = looks && !visits_left && !visit && valid == '0 && !valid3;
+  assign looked = looks && !visits_left && !visit && valid == '0 && !valid3 && !valid4 && !valid5;
 
   // ---- The clocks of an order: its visits, then PhaseClocks. The gap behind the own row, and the
   // ranks behind the last visit, are shorter than that.

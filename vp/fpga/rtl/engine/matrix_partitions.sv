@@ -27,6 +27,9 @@ module matrix_partitions
     parameter int DivisionClocks = 68
 ) (
     input wire clock,
+`ifdef ECP5
+    input wire clock2,  // of the copies of d, twice as fast
+`endif
     input wire reset,
     input wire host_write,
     input wire space_t host_space,
@@ -202,6 +205,9 @@ module matrix_partitions
         .DirectionAccesses(DirectionAccesses)
     ) spmxv (
         .clock,
+`ifdef ECP5
+        .clock2,
+`endif
         .reset,
         .matrix_write(rows | {3{edit_write[p]}}),
         .matrix_write_package(edit_write[p] ? edited_package : host_address[PackageBits-1:0]),

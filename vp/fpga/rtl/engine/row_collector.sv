@@ -39,40 +39,85 @@ module row_collector #(
   logic [Lanes-1:0][IndexBits-1:0] from;
   logic [Partitions-1:0] gives;
 
+  // In the order of turns those from the first one come before the others: what is found before a
+  // partition is found among its own, and for the others among all of the former too.
+  logic [Partitions-1:0] begins;  // not before the first one
+  always_comb for (int p = 0; p < Partitions; ++p) begins[p] = IndexBits'(p) >= first;
+  function automatic logic [Partitions-1:0] has_before(input logic [Partitions-1:0] these,
+                                                   input logic [Partitions-1:0] begins_at);
+    for (int p = 0; p < Partitions; ++p) begin
+      automatic logic [Partitions-1:0] lower = these & Partitions'((1 << p) - 1);
+      has_before[p] = begins_at[p] ? |(lower & begins_at) : |lower || |(these & begins_at);
+    end
+  endfunction
+
+  // Each lane takes the first row that is its own.
+  logic [Lanes-1:0][Partitions-1:0] wants, taken_before, given;
+  logic [Partitions-1:0] passed_over, has_all, passed_before, given_after;
   always_comb begin
-    automatic logic [IndexBits-1:0] partition = first;
-    automatic logic passed_over = 1'b0;
-    next_first = first;
-    takes = '0;
-    from = '0;
+    for (int l = 0; l < Lanes; ++l) begin
+      for (int p = 0; p < Partitions; ++p) begin
+        wants[l][p] = collects && finished[p] != taken[p] &&
+                      (Lanes == 1 || node[p][LaneBits-1:0] == LaneBits'(l));
+      end
+      taken_before[l] = has_before(wants[l], begins);
+      given[l] = wants[l] & ~taken_before[l];
+      takes[l] = |wants[l];
+    end
+  end
+  always_comb begin
     gives = '0;
-    for (int i = 0; i < Partitions; ++i) begin
-      automatic logic [LaneBits-1:0] lane = Lanes > 1 ? node[partition][LaneBits-1:0] : '0;
-      automatic logic [IndexBits-1:0] next =
-          partition == IndexBits'(Partitions - 1) ? '0 : partition + 1'b1;
-      if (collects && finished[partition] != taken[partition] && !(&takes)) begin
-        if (!takes[lane]) begin
-          takes[lane] = 1'b1;
-          from[lane] = partition;
-          gives[partition] = 1'b1;
-          if (!passed_over) next_first = next;
-        end else if (!passed_over) begin
-          passed_over = 1'b1;
-          next_first = partition;
+    from = '0;
+    passed_over = '0;
+    has_all = '1;
+    for (int l = 0; l < Lanes; ++l) begin
+      gives = gives | given[l];
+      passed_over = passed_over | (wants[l] & taken_before[l]);
+      has_all = has_all & taken_before[l];
+      for (int p = 0; p < Partitions; ++p) if (given[l][p]) from[l] = from[l] | IndexBits'(p);
+    end
+    passed_over = passed_over & ~has_all;
+  end
+  logic [Lanes-1:0][NodeBits-1:0] given_node;
+  logic [Lanes-1:0][2:0][SumBits-1:0] given_sum;
+  logic [Lanes-1:0][2:0][VectorBits-1:0] given_own;
+  always_comb begin
+    given_node = '0;
+    given_sum = '0;
+    given_own = '0;
+    for (int l = 0; l < Lanes; ++l) begin
+      for (int p = 0; p < Partitions; ++p) begin
+        if (given[l][p]) begin
+          given_node[l] = given_node[l] | node[p];
+          given_sum[l] = given_sum[l] | sum[p];
+          given_own[l] = given_own[l] | own[p];
         end
       end
-      partition = next;
+    end
+  end
+
+  // The next turn is that of the first one that is passed over, or of the one behind the last that gives.
+  always_comb begin
+    passed_before = has_before(passed_over, begins);
+    for (int p = 0; p < Partitions; ++p) begin
+      automatic logic [Partitions-1:0] higher = gives & ~Partitions'((2 << p) - 1);
+      given_after[p] = begins[p] ? |higher || |(gives & ~begins) : |(higher & ~begins);
+    end
+    next_first = gives == '0 ? first : '0;
+    for (int p = 0; p < Partitions; ++p) begin
+      if (passed_over[p] && !passed_before[p]) next_first = next_first | IndexBits'(p);
+      if (passed_over == '0 && gives[p] && !given_after[p]) begin
+        next_first = next_first | IndexBits'((p + 1) % Partitions);
+      end
     end
   end
 
   always_ff @(posedge clock) begin
     first <= next_first;
     row_valid <= takes;
-    for (int l = 0; l < Lanes; ++l) begin
-      row_node[l] <= node[from[l]];
-      row_sum[l] <= sum[from[l]];
-      row_own[l] <= own[from[l]];
-    end
+    row_node <= given_node;
+    row_sum <= given_sum;
+    row_own <= given_own;
     for (int p = 0; p < Partitions; ++p) if (gives[p]) taken[p] <= taken[p] + 1'b1;
     if (reset) begin
       first <= '0;

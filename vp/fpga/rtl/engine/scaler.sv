@@ -42,21 +42,21 @@ module scaler #(
 
   typedef enum logic [4:0] {
     Wait,
-    Multiply,
-    Settle,
     MeasureFirst,
+    Settle,
     MeasureSecond,
+    SecondTop,
     Tops,
-    Unit,
-    FirstDistance,
+    Distances,
+    CoarseFirst,
     AlignFirst,
-    SecondDistance,
     AlignSecond,
     Add,
     Widen,
     MeasureSum,
     Bits,
     Compare,
+    Cut,
     Decide,
     Divide,
     Finish
@@ -66,7 +66,6 @@ module scaler #(
   logic [SecondBits-1:0] product, second;
   logic first_zero, second_zero;
   logic [Adder+2:0] widened;
-  logic [6:0] first_length;
 
   // The length of a magnitude: its highest byte that is not zero, and in it the highest bit.
   logic [W-1:0] measured;
@@ -94,20 +93,34 @@ module scaler #(
     endcase
   end
 
-  // A term, cut to units of 2^unit: the whole part, and one more where bits may have been lost.
-  logic signed [E-1:0] unit, left;
-  wire [W-1:0] term = state == AlignFirst ? W'(first) : W'(second);
-  wire term_zero = state == AlignFirst ? first_zero : second_zero;
-  wire [E-1:0] right = -left;
-  logic [Adder:0] aligned;
-  always_comb begin
-    if (term_zero) aligned = '0;
-    else if (!left[E-1]) aligned = (Adder + 1)'(term) << left[5:0];
-    else if (|right[E-1:6]) aligned = (Adder + 1)'(1);
-    else aligned = (Adder + 1)'(term >> right[5:0]) + (Adder + 1)'(1);
+  // A term, cut to units of 2^unit: the whole part, and one more where bits may have been lost. It is
+  // shifted by eights, and in the state behind that by ones.
+  logic signed [E-1:0] unit;
+  logic [E-1:0] first_left, second_left, first_right, second_right;
+  wire coarse_first = state == CoarseFirst;
+  wire [W-1:0] term = coarse_first ? W'(first) : W'(second);
+  wire [E-1:0] left = coarse_first ? first_left : second_left;
+  wire [E-1:0] right = coarse_first ? first_right : second_right;
+  logic [W-1:0] coarse;
+  logic [2:0] ones;
+  logic coarse_zero, coarse_left, coarse_gone;
+  always_ff @(posedge clock) begin
+    coarse <= left[E-1] ? term >> {right[5:3], 3'b000} : term << {left[5:3], 3'b000};
+    ones <= left[E-1] ? right[2:0] : left[2:0];
+    coarse_left <= !left[E-1];
+    coarse_zero <= coarse_first ? first_zero : second_zero;
+    coarse_gone <= left[E-1] && |right[E-1:6];
   end
+  wire [Adder:0] shifted =
+      coarse_gone ? '0 : (Adder + 1)'(coarse_left ? coarse << ones : coarse >> ones);
+  wire [Adder:0] aligned = coarse_zero ? '0 : shifted + (Adder + 1)'(!coarse_left);
 
-  logic signed [E-1:0] first_top, second_top, bits, unused, excess;
+  logic signed [E-1:0] first_top, second_top, bits, unused, excess, excess_cut;
+  // Lengths of the terms are counted from that of the adder, so that the higher top is the unit.
+  logic signed [7:0] first_length, second_length;
+  wire signed [7:0] length_beyond = $signed({1'b0, length}) - 8'(Adder);
+  logic [6:0] sum_length;
+  logic unused_enough, exceeds;
   logic [Adder:0] first_term, second_term;
   logic [Adder+1:0] sum;
   logic negative;
@@ -133,42 +146,41 @@ module scaler #(
       if (start) begin
         multiple <= '0;
         negative <= 1'b0;
-        state <= dynamic_scaling ? Multiply : Finish;
+        state <= dynamic_scaling ? MeasureFirst : Finish;
       end
-      Multiply: state <= Settle;  // a second rank of the multiplier
+      MeasureFirst: begin  // beside a second rank of the multiplier
+        first_length <= length_beyond;
+        state <= Settle;
+      end
       Settle: begin
         second <= product;
         first_zero <= first == '0;
         second_zero <= product == '0;
-        state <= MeasureFirst;
-      end
-      MeasureFirst: begin
-        first_length <= length;
+        first_top <= E'(first_length) + first_exponent;
         state <= MeasureSecond;
       end
       MeasureSecond: begin
-        first_top <= E'(first_length) + first_exponent;
-        second_top <= E'(length) + second_exponent;
+        second_length <= length_beyond;
+        state <= SecondTop;
+      end
+      SecondTop: begin
+        second_top <= E'(second_length) + second_exponent;
         state <= Tops;
       end
       Tops: begin
         unit <= second_zero || (!first_zero && first_top > second_top) ? first_top : second_top;
-        state <= Unit;
+        state <= Distances;
       end
-      Unit: begin
-        unit <= unit - E'(Adder);
-        state <= FirstDistance;
+      Distances: begin
+        first_left <= first_exponent - unit;
+        first_right <= unit - first_exponent;
+        second_left <= second_exponent - unit;
+        second_right <= unit - second_exponent;
+        state <= CoarseFirst;
       end
-      FirstDistance: begin
-        left <= first_exponent - unit;
-        state <= AlignFirst;
-      end
+      CoarseFirst: state <= AlignFirst;
       AlignFirst: begin
         first_term <= aligned;
-        state <= SecondDistance;
-      end
-      SecondDistance: begin
-        left <= second_exponent - unit;
         state <= AlignSecond;
       end
       AlignSecond: begin
@@ -185,26 +197,32 @@ module scaler #(
         state <= MeasureSum;
       end
       MeasureSum: begin
-        bits <= E'(length) + unit;
+        sum_length <= length;
         state <= Bits;
       end
       Bits: begin
-        if (first_zero && second_zero) bits <= '0;
+        bits <= first_zero && second_zero ? '0 : E'(sum_length) + unit;
         state <= Compare;
       end
       Compare: begin
         unused <= E'(target) - bits;
         excess <= bits - E'(available);
+        state <= Cut;
+      end
+      Cut: begin
+        unused_enough <= unused >= $signed(E'(threshold));
+        exceeds <= excess > 0 && scaling_down;
+        excess_cut <= excess + E'(step) - E'(1);
         state <= Decide;
       end
       Decide: begin
         rest <= '0;
         count <= 3'(Multiple - 1);
         state <= Divide;
-        if (unused >= $signed(E'(threshold))) begin
+        if (unused_enough) begin
           dividend <= cut(unused);
-        end else if (excess > 0 && scaling_down) begin
-          dividend <= cut(excess + E'(step) - E'(1));
+        end else if (exceeds) begin
+          dividend <= cut(excess_cut);
           negative <= 1'b1;
         end else begin
           dividend <= '0;

@@ -33,6 +33,9 @@ module spmxv_partition #(
     localparam int IndexBits = (Nodes + 1) * NodeBits + 3
 ) (
     input wire clock,
+`ifdef ECP5
+    input wire clock2,  // of the copies of d, twice as fast
+`endif
     input wire reset,
     input wire [2:0] matrix_write,  // a row of the package each
     input wire [PackageBits-1:0] matrix_write_package,
@@ -192,7 +195,8 @@ module spmxv_partition #(
     index1 <= index0;
   end
   for (genvar row = 0; row < 3; ++row) begin : g_row
-    logic [Package*MatrixBits-1:0] nonzeros[2**PackageBits];
+    // As the index words: what is read while it is written is not used.
+    (* no_rw_check *) logic [Package*MatrixBits-1:0] nonzeros[2**PackageBits];
     always_ff @(posedge clock) begin
       if (matrix_write[row]) nonzeros[matrix_write_package] <= matrix_write_words[row];
       words1[row] <= nonzeros[package0];
@@ -214,6 +218,9 @@ module spmxv_partition #(
         .Accesses(DirectionAccesses)
     ) copy (
         .clock,
+`ifdef ECP5
+        .clock2,
+`endif
         .product,
         .node(head[Nodes*NodeBits-1:0]),
         .reads(reads[c]),

@@ -51,10 +51,10 @@ module vector_sums
     output logic signed [DotBits-1:0] dot,   // d.q of a product
     output logic [SquareBits-1:0] squares,   // b.b of a product, or r.r
     output wire [SquareBits-1:0] z_dot_r,
-    output logic [ResidualBits-2:0] largest_r,
+    output wire [ResidualBits-2:0] largest_r,
     output wire [ResidualBits-2:0] largest_z,
-    output logic [VectorBits-2:0] largest_d,
-    output logic [ProductBits-2:0] largest_q,
+    output wire [VectorBits-2:0] largest_d,
+    output wire [ProductBits-2:0] largest_q,
     output logic [DifferenceBits-1:0] widest,  // as long as the largest |b - q|
     output logic [31:0] clamped
 );
@@ -62,12 +62,14 @@ module vector_sums
   localparam int V = VectorBits;
   localparam int R = ResidualBits;
   localparam int Q = ProductBits;
+  localparam int Words = 3 * Lanes;
   localparam int CountBits = $clog2(9 * Lanes + 1);
 
   wire makes_r = pass == Residual || (pass == Update && !exchange);
   wire makes_d = pass == FirstDirection || pass == Direction;
   wire counts_sum = pass == Update || pass == Guess || makes_d;
 
+  // ---- Magnitudes, in a rank before they are compared.
   function automatic logic [V-2:0] size(input logic [V-1:0] word);
     return word[V-1] ? (V - 1)'(-word) : word[V-2:0];
   endfunction
@@ -77,98 +79,146 @@ module vector_sums
   function automatic logic [Q-2:0] q_size(input logic [Q-1:0] word);
     return word[Q-1] ? (Q - 1)'(-word) : word[Q-2:0];
   endfunction
+  logic [Words-1:0] has_q3, has_r12, has_d12;
+  logic [Words-1:0][Q-2:0] q_size3;
+  logic [Words-1:0][R-2:0] r_size12;
+  logic [Words-1:0][V-2:0] d_size12;
+  always_ff @(posedge clock) begin
+    for (int l = 0; l < Lanes; ++l) begin
+      for (int c = 0; c < 3; ++c) begin
+        has_q3[3*l+c] <= rows2[l] && !hold && !start;
+        has_r12[3*l+c] <= nodes11[l] && !hold && makes_r && !start;
+        has_d12[3*l+c] <= nodes11[l] && !hold && makes_d && !start;
+        q_size3[3*l+c] <= q_size(q2[l][c]);
+        r_size12[3*l+c] <= r_size(r_word11[l][c]);
+        d_size12[3*l+c] <= size(sum_word11[l][c]);
+      end
+    end
+  end
+  largest_magnitude #(
+      .Bits(Q - 1),
+      .Words(Words)
+  ) most_q (
+      .clock,
+      .clear(start && pass == Product),
+      .valid(has_q3),
+      .magnitude(q_size3),
+      .largest(largest_q)
+  );
+  largest_magnitude #(
+      .Bits(R - 1),
+      .Words(Words)
+  ) most_r (
+      .clock,
+      .clear(start && (pass == Residual || pass == Update)),
+      .valid(has_r12),
+      .magnitude(r_size12),
+      .largest(largest_r)
+  );
+  largest_magnitude #(
+      .Bits(V - 1),
+      .Words(Words)
+  ) most_d (
+      .clock,
+      .clear(start && makes_d),
+      .valid(has_d12),
+      .magnitude(d_size12),
+      .largest(largest_d)
+  );
 
-  logic signed [Q+V+2:0] q_d_sum, q_d_sum7;
+  // ---- Sums: of a lane's components, over the lanes, and over the pass.
+  logic signed [Lanes-1:0][Q+V+1:0] q_d_lane, q_d_lane7;
+  logic signed [Q+V+2:0] q_d_sum, q_d_sum8;
+  logic [Lanes-1:0][2*R-1:0] square_lane, square_lane_late;
   logic [2*R+2:0] square_sum, square_sum_late;
-  logic [R-2:0] most_r;
-  logic [V-2:0] most_d;
-  logic [Q-2:0] most_q;
   logic [DifferenceBits-1:0] bits_of_difference;
+  logic [Lanes-1:0][CountBits-1:0] clamps_lane, clamps_lane_now;
   logic [CountBits-1:0] clamps, clamps_now;
 
   always_comb begin
     q_d_sum = '0;
     square_sum = '0;
-    most_r = largest_r;
-    most_d = largest_d;
-    most_q = largest_q;
     bits_of_difference = widest;
     clamps = '0;
     for (int l = 0; l < Lanes; ++l) begin
+      automatic logic squares_here = square_nodes[l] || (square_rows[l] && compare);
+      q_d_lane[l] = '0;
+      square_lane[l] = '0;
+      clamps_lane[l] = '0;
       for (int c = 0; c < 3; ++c) begin
-        if (rows6[l]) q_d_sum = q_d_sum + (Q + V + 3)'($signed(q_d6[l][c]));
-        if (square_nodes[l] || (square_rows[l] && compare)) begin
-          square_sum = square_sum + (2 * R + 3)'(square[l][c]);
-        end
-        if (rows2[l] && !hold) begin
-          if (q_size(q2[l][c]) > most_q) most_q = q_size(q2[l][c]);
-          clamps = clamps + CountBits'(q_clamped2[l][c]);
-        end
+        q_d_lane[l] = q_d_lane[l] + (Q + V + 2)'($signed(rows6[l] ? q_d6[l][c] : '0));
+        square_lane[l] = square_lane[l] + (squares_here ? (2 * R)'(square[l][c]) : '0);
         if (rows4[l] && compare) bits_of_difference = bits_of_difference | difference4[l][c];
-        if (nodes3[l] && counts_b) clamps = clamps + CountBits'(b_clamped3[l][c]);
-        if (nodes11[l] && !hold) begin
-          if (makes_r && r_size(r_word11[l][c]) > most_r) most_r = r_size(r_word11[l][c]);
-          if (makes_d && size(sum_word11[l][c]) > most_d) most_d = size(sum_word11[l][c]);
-          if (makes_r) clamps = clamps + CountBits'(r_clamped11[l][c]);
-          if (counts_sum) clamps = clamps + CountBits'(sum_clamped11[l][c]);
-        end
+        clamps_lane[l] = clamps_lane[l] + CountBits'(rows2[l] && !hold && q_clamped2[l][c]) +
+                         CountBits'(nodes3[l] && counts_b && b_clamped3[l][c]) +
+                         CountBits'(nodes11[l] && !hold && makes_r && r_clamped11[l][c]) +
+                         CountBits'(nodes11[l] && !hold && counts_sum && sum_clamped11[l][c]);
       end
+      q_d_sum = q_d_sum + (Q + V + 3)'($signed(q_d_lane7[l]));
+      square_sum = square_sum + (2 * R + 3)'(square_lane_late[l]);
+      clamps = clamps + clamps_lane_now[l];
     end
   end
 
   always_ff @(posedge clock) begin
-    q_d_sum7 <= q_d_sum;
+    q_d_lane7 <= q_d_lane;
+    q_d_sum8 <= q_d_sum;
+    square_lane_late <= square_lane;
     square_sum_late <= square_sum;
-    if (pass == Product) dot <= dot + DotBits'(q_d_sum7);
+    if (pass == Product) dot <= dot + DotBits'(q_d_sum8);
     if (pass == Product || makes_r) squares <= squares + SquareBits'(square_sum_late);
-    largest_r <= most_r;
-    largest_d <= most_d;
-    largest_q <= most_q;
     widest <= bits_of_difference;
+    clamps_lane_now <= clamps_lane;
     clamps_now <= clamps;
     clamped <= clamped + 32'(clamps_now);
     if (start) begin
       dot <= '0;
-      q_d_sum7 <= '0;
+      q_d_lane7 <= '0;
+      q_d_sum8 <= '0;
       if (pass == Product || pass == Residual || pass == Update) begin
         squares <= '0;
+        square_lane_late <= '0;
         square_sum_late <= '0;
       end
       widest <= '0;
-      case (pass)
-        Residual, Update: largest_r <= '0;
-        FirstDirection, Direction: largest_d <= '0;
-        Product: largest_q <= '0;
-        default: ;
-      endcase
     end
     if (clear_clamped) begin
       clamped <= '0;
+      clamps_lane_now <= '0;
       clamps_now <= '0;
     end
   end
 
   // ---- Of z, whose ranks go on beyond the end of the pass.
   if (Preconditioner) begin : g_preconditioner
-    logic [R-2:0] most_z, largest;
+    wire [R-2:0] largest;
+    logic [Words-1:0] has_z18;
     logic [2*R+2:0] z_r_sum, z_r_sum_late;
     logic [SquareBits-1:0] sum;
+    wire clear = start && (pass == Residual || pass == Update);
     always_comb begin
-      most_z = largest;
       z_r_sum = '0;
       for (int l = 0; l < Lanes; ++l) begin
         for (int c = 0; c < 3; ++c) begin
-          if (nodes18[l] && z_size18[l][c] > most_z) most_z = z_size18[l][c];
-          if (nodes21[l]) z_r_sum = z_r_sum + (2 * R + 3)'(z_r21[l][c]);
+          has_z18[3*l+c] = nodes18[l];
+          z_r_sum = z_r_sum + (nodes21[l] ? (2 * R + 3)'(z_r21[l][c]) : '0);
         end
       end
     end
+    largest_magnitude #(
+        .Bits(R - 1),
+        .Words(Words)
+    ) most_z (
+        .clock,
+        .clear,
+        .valid(has_z18),
+        .magnitude(z_size18),
+        .largest
+    );
     always_ff @(posedge clock) begin
-      largest <= most_z;
       z_r_sum_late <= z_r_sum;
       sum <= sum + SquareBits'(z_r_sum_late);
-      if (start && (pass == Residual || pass == Update)) begin
-        largest <= '0;
+      if (clear) begin
         z_r_sum_late <= '0;
         sum <= '0;
       end
