@@ -116,6 +116,7 @@ class Flips {
     pair_.both.expect_flips();
     pair_.write_x(words(matrix_.rows(), size_.vector_bits, random_));
     clocks_ = 0;
+    history_.clear();
   }
 
   void run_to(std::int64_t clock) {
@@ -152,6 +153,7 @@ class Flips {
     sc_core::sc_start();
     ASSERT_EQ(pair_.both.difference(), "");
     ++pair_.holds;
+    history_ += "; node " + std::to_string(node) + " held";
   }
 
   void job(bool flips) {
@@ -178,10 +180,11 @@ class Flips {
       }
       state_ = pair_.engine.sequencer().state();
       flip_at(clock, flip);
+      history_ += "; " + described(flip) + " at clock " + std::to_string(clock);
       ++seen.flips;
       seen.idle += idle ? 1 : 0;
     }
-    SCOPED_TRACE(std::string("in ") + engine::name(state_));
+    SCOPED_TRACE(std::string("in ") + engine::name(state_) + "; since the load" + history_);
     const bool ends = ended();
     if (!ends) ++seen.no_end;
     if (!ends || testing::Test::HasFailure()) return;
@@ -198,6 +201,7 @@ class Flips {
   Settings settings_;
   fixed::QuantisedMatrix matrix_;
   std::int64_t clocks_ = 0;
+  std::string history_;  // of flips and held nodes since the matrix was loaded
   sc_core::sc_time started_;
   engine::State state_ = engine::State::idle;
   std::array<Seen, engine::kFlipPlaces> seen_{};

@@ -17,6 +17,8 @@ using test::Random;
 using test::settings_of;
 using test::words;
 
+constexpr std::int64_t kMostClocks = 1'000'000;  // a solve has ended by then
+
 // An RTL engine whose port is looked at behind each edge.
 class Watched {
  public:
@@ -84,11 +86,12 @@ TEST(RtlPorts, FinishedIsUpBehindTheLastIteration) {
   watched.load(definite_matrix(random), settings, random);
   for (int solve = 0; solve < 2; ++solve) {
     watched.start(settings);
-    watched.engine().run_to_end();
+    watched.engine().run_until(kMostClocks);
     EXPECT_EQ(watched.engine().report().iterations, 3);
     EXPECT_EQ(watched.iterations(), 3);
     EXPECT_EQ(watched.ends(), 1);
-    watched.engine().copy_x();
+    watched.engine().start_copy();
+    watched.engine().end_copy();
     EXPECT_EQ(watched.ends(), 0);
   }
 }
@@ -100,7 +103,7 @@ TEST(RtlPorts, FinishedIsUpBehindTheStopTest) {
   settings.stop_residual = 0.5;
   watched.load(definite_matrix(random), settings, random);
   watched.start(settings);
-  watched.engine().run_to_end();
+  watched.engine().run_until(kMostClocks);
   EXPECT_TRUE(watched.engine().report().reached);
   EXPECT_EQ(watched.ends(), 1);
 }
@@ -113,7 +116,7 @@ TEST(RtlPorts, FinishedIsUpBehindABreakdown) {
   for (std::int32_t& word : matrix.value) word = -word;
   watched.load(matrix, settings, random);
   watched.start(settings);
-  watched.engine().run_to_end();
+  watched.engine().run_until(kMostClocks);
   EXPECT_EQ(watched.engine().report().breakdowns, 1);
   EXPECT_EQ(watched.ends(), 1);
 }
@@ -131,7 +134,8 @@ TEST(RtlPorts, FinishedStaysDownBehindAnAbortAndAChangeOfTheMatrix) {
     if (watched.engine().idle()) break;
     watched.reset();
     watched.engine().abort();
-    watched.engine().copy_x();
+    watched.engine().start_copy();
+    watched.engine().end_copy();
     watched.engine().constrain(static_cast<int>(clocks) % 20, 77);
     EXPECT_EQ(watched.ends(), 0);
   }
