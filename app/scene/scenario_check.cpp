@@ -95,8 +95,8 @@ void require_compared(const Scenario& s, const vp::engine::Flip& flip) {
   const bool turns = a.direction_memory != accel::DirectionMemory::double_pumped ||
                      a.direction_banks > 1 || a.rows_in_parallel < 3 ||
                      nodes > a.direction_accesses();
-  if (turns && (flip.place == Place::nodes || flip.place == Place::phase ||
-                flip.place == Place::last)) {
+  if (turns &&
+      (flip.place == Place::nodes || flip.place == Place::phase || flip.place == Place::last)) {
     throw InputError("place", std::string(name(flip.place)) +
                                   " is not compared at the level rtl where packages take turns at "
                                   "the memories of d: expected another place, or "

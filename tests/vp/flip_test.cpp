@@ -127,8 +127,8 @@ TEST(Flips, ABitThatTheEngineDoesNotHaveDoesNotFlip) {
 
 TEST(Flips, AClockBehindTheEndOfTheRunIsNotMade) {
   SmallScene scene;
-  prepare(scene, {flip_at(1'000'000'000,
-                          {.place = FlipPlace::x, .node = 4, .component = 0, .bit = 0})});
+  prepare(scene,
+          {flip_at(1'000'000'000, {.place = FlipPlace::x, .node = 4, .component = 0, .bit = 0})});
   const Simulated run(scene);
   const FaultRecord& record = run.platform.faults()->records().front();
   EXPECT_EQ(record.injected, 1);

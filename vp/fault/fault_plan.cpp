@@ -158,13 +158,12 @@ void Fault::declare_flip(config::Visitor& v) {
   const auto index = [&v](const char* key, int& value, int most, const char* help) {
     v.integer(key, value, {-1, most}, {help, "any will do"});
   };
-  of_place.only(
-      {FlipPlace::x, FlipPlace::r, FlipPlace::z, FlipPlace::b, FlipPlace::q, FlipPlace::previous,
-       FlipPlace::inverse, FlipPlace::d},
-      [&] {
-        index("node", flip.node, 1 << 20, "of which node; -1: drawn");
-        index("component", flip.component, 2, "0 x, 1 y, 2 z; -1: drawn");
-      });
+  of_place.only({FlipPlace::x, FlipPlace::r, FlipPlace::z, FlipPlace::b, FlipPlace::q,
+                 FlipPlace::previous, FlipPlace::inverse, FlipPlace::d},
+                [&] {
+                  index("node", flip.node, 1 << 20, "of which node; -1: drawn");
+                  index("component", flip.component, 2, "0 x, 1 y, 2 z; -1: drawn");
+                });
   of_place.only({FlipPlace::d, FlipPlace::matrix, FlipPlace::nodes, FlipPlace::owner,
                  FlipPlace::phase, FlipPlace::last},
                 [&] {

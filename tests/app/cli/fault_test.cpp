@@ -115,7 +115,8 @@ TEST(Faults, ABitThatTheMeshDoesNotHaveIsNamedByItsIndex) {
   const Faulty run(
       "\n[fidelity]\naccelerator = \"cycle-accurate\"\n\n[[fault]]\nkind = \"flip\"\nframe = 5\n"
       "place = \"x\"\nnode = 100000\n");
-  EXPECT_THAT(run.ended.out, HasSubstr("did not happen: the engine has no such bit: node is 100000"));
+  EXPECT_THAT(run.ended.out,
+              HasSubstr("did not happen: the engine has no such bit: node is 100000"));
 }
 
 TEST(Faults, AFlippedBitIsInTheReportAndInItsFrame) {

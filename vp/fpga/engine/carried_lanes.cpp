@@ -94,10 +94,10 @@ void VectorUnit::carry() {
 LaneWords VectorUnit::carried_words(std::size_t slot) {
   const std::int32_t* const inverse =
       carries_words_ ? &carried_inverse_[9 * at(architecture_.nodes_per_clock) * slot] : nullptr;
-  return {carried(slot, kX),       carried(slot, kB),     carried(slot, kR),
-          carried(slot, kZ),       carried(slot, kQ),     carried(slot, kPrevious),
-          carried(slot, kD),       carried(slot, kKeptD), inverse,
-          carried(slot, kZ),       coefficients_[slot].of_d, coefficients_[slot].of_q};
+  return {carried(slot, kX), carried(slot, kB),        carried(slot, kR),
+          carried(slot, kZ), carried(slot, kQ),        carried(slot, kPrevious),
+          carried(slot, kD), carried(slot, kKeptD),    inverse,
+          carried(slot, kZ), coefficients_[slot].of_d, coefficients_[slot].of_q};
 }
 
 // Words of z are made behind r, and have their own way to the memory.

@@ -33,8 +33,8 @@ CarriedWords::CarriedWords(const accel::Architecture& architecture, const Layout
 }
 
 // A bank of d has the package's nodes in their order, as many in a turn as it has accesses; a node
-// that padding repeats is read with the one before (bank_reads.sv). One bank that serves all of them
-// at once gives each a port of its own.
+// that padding repeats is read with the one before (bank_reads.sv). One bank that serves all of
+// them at once gives each a port of its own.
 std::vector<CarriedWords::Read> CarriedWords::reads_of(const IndexWord& index) const {
   const auto nodes = static_cast<int>(index.node.size());
   const int accesses = architecture_.direction_accesses();
@@ -95,8 +95,8 @@ void CarriedWords::read(std::span<const std::int32_t> nonzeros, const DirectionC
   for (int place = 0; place < 3 * nodes; ++place) {
     const Read& how = reads[place];
     if (!rows_take_turns_ && how.turn != package.turn) continue;
-    kept_[at(place)] = vector.word(vector.copy(partition, how.copy), package.read[at(place / 3)],
-                                   place % 3);
+    kept_[at(place)] =
+        vector.word(vector.copy(partition, how.copy), package.read[at(place / 3)], place % 3);
   }
   const auto word = [&](int place) { return place < 3 * nodes ? kept_[at(place)] : 0; };
   package.sum = {};

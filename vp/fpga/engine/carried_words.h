@@ -63,7 +63,7 @@ class CarriedWords {
     int turn = 0;
     bool last_turn = false;
     IndexWord index;
-    std::vector<int> read;  // the nodes that are read of d
+    std::vector<int> read;             // the nodes that are read of d
     std::array<bool, 3> multiplied{};  // its rows
     std::array<std::int64_t, 3> sum{};
     std::array<bool, 3> caught{};  // the components of the row's own node that are in it
@@ -78,9 +78,9 @@ class CarriedWords {
   std::vector<Read> reads_of(const IndexWord& index) const;
 
   accel::Architecture architecture_;
-  bool rows_take_turns_;  // with d read anew for each
-  std::vector<Read> reads_;          // of all packages
-  std::vector<std::int32_t> kept_;   // of the package that is served: the words of its turns
+  bool rows_take_turns_;            // with d read anew for each
+  std::vector<Read> reads_;         // of all packages
+  std::vector<std::int32_t> kept_;  // of the package that is served: the words of its turns
   int read_rank_;
   int sum_rank_;
   int columns_;  // of a package

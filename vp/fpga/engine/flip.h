@@ -31,9 +31,9 @@ inline constexpr std::size_t kFlipPlaces = static_cast<std::size_t>(FlipPlace::d
 
 constexpr const char* name(FlipPlace place) {
   constexpr std::array<const char*, kFlipPlaces> kNames = {
-      "x",      "r",     "z",     "b",     "q",    "previous",    "inverse", "d",
-      "matrix", "nodes", "owner", "phase", "last", "coefficient", "r_r",     "loops",
-      "r_exponent", "d_exponent"};
+      "x",       "r",           "z",      "b",     "q",          "previous",
+      "inverse", "d",           "matrix", "nodes", "owner",      "phase",
+      "last",    "coefficient", "r_r",    "loops", "r_exponent", "d_exponent"};
   return kNames[static_cast<std::size_t>(place)];
 }
 

@@ -279,16 +279,15 @@ void Sequencer::take_product(const VectorStatus& status) {
     end();
     return;
   }
-  divide(State::alpha,
-         {.numerator = divided(s.z_r.word),
-          .denominator = s.d_q.word,
-          .fraction_bits = settings_.alpha_fraction_bits,
-          // r is bounded by |r| + α·|q|.
-          .rescaling = {.a = s.largest_r,
-                        .largest = s.largest_q,
-                        .word_bits = settings_.residual_bits(),
-                        .target_bits = residual_target_,
-                        .available_bits = residual_available_}});
+  divide(State::alpha, {.numerator = divided(s.z_r.word),
+                        .denominator = s.d_q.word,
+                        .fraction_bits = settings_.alpha_fraction_bits,
+                        // r is bounded by |r| + α·|q|.
+                        .rescaling = {.a = s.largest_r,
+                                      .largest = s.largest_q,
+                                      .word_bits = settings_.residual_bits(),
+                                      .target_bits = residual_target_,
+                                      .available_bits = residual_available_}});
 }
 
 // The divider waits as long as the sum, and takes what the register has then.

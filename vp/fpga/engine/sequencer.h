@@ -130,13 +130,13 @@ class Sequencer : public sc_core::sc_module {
   State state_ = State::idle;
   StateClocks state_clocks_{};
   int late_sums_ = 0;
-  int late_ = 0;  // those of this solve
+  int late_ = 0;           // those of this solve
   int operands_left_ = 0;  // clocks until a division has its operands
   // The exponents of a quotient, and of α·q in units of r, less that of the mantissa.
   int quotient_unit_ = 0;
   int change_unit_ = 0;
   int stopping_exponent_ = 0;  // of r, as the stop test has it
-  int late_left_ = 0;  // clocks for which the register still has the zᵀr before
+  int late_left_ = 0;          // clocks for which the register still has the zᵀr before
   sc_core::sc_time entered_;
   Scalars scalars_;
   std::uint32_t vector_number_ = 0;

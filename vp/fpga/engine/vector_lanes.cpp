@@ -63,9 +63,9 @@ LaneWords VectorLanes::words(int first_node, const std::int32_t* direction) {
   const std::size_t first = 3 * at(first_node);
   VectorMemories& m = memories_;
   const std::int32_t mantissa = now_.pass == Pass::direction ? now_.beta : now_.alpha;
-  return {&m.x[first],        &m.b[first], &m.r[first], &m.z[first], &m.q[first],
-          &m.previous[first], direction,   direction,   &m.inverse[3 * first], &m.z[first],
-          mantissa,           mantissa};
+  return {&m.x[first],           &m.b[first],        &m.r[first], &m.z[first],
+          &m.q[first],           &m.previous[first], direction,   direction,
+          &m.inverse[3 * first], &m.z[first],        mantissa,    mantissa};
 }
 
 void VectorLanes::write(int first_node, int nodes, const LaneWords& from, std::int32_t* written) {
@@ -162,8 +162,7 @@ void VectorLanes::precondition(std::size_t first, std::size_t count, const LaneW
     const std::int64_t sum =
         product(inverse[0], r[0]) + product(inverse[1], r[1]) + product(inverse[2], r[2]);
     // Beyond its word it is by a flipped bit of P⁻¹ only, which the lanes do not count.
-    const std::int32_t z =
-        silent_.write(preconditioner_shift_(sum), fixed::Settings::kProductBits);
+    const std::int32_t z = silent_.write(preconditioner_shift_(sum), fixed::Settings::kProductBits);
     from.new_z[row] = z;
     status_.dot += product(z, memories_.r[first + row]);
     track(status_.largest_z, z);

@@ -75,8 +75,8 @@ struct LaneWords {
   const std::int32_t* z = nullptr;
   const std::int32_t* q = nullptr;
   const std::int32_t* previous = nullptr;
-  const std::int32_t* d = nullptr;       // as it is multiplied
-  const std::int32_t* kept_d = nullptr;  // as an exchange writes it
+  const std::int32_t* d = nullptr;        // as it is multiplied
+  const std::int32_t* kept_d = nullptr;   // as an exchange writes it
   const std::int32_t* inverse = nullptr;  // nine words a node
   std::int32_t* new_z = nullptr;          // where z goes
   // α or β before d and before q: they are multiplied at different edges.

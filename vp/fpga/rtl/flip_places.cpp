@@ -68,8 +68,10 @@ void RtlEngine::flip(const engine::Flip& f) {
       break;
     case Place::r:
     case Place::b:
-      flip_residual(model_->cells(bank_of(f.node % size_.nodes_per_clock, f.component, name(f.place)), "cells"),
-                    f.node / size_.nodes_per_clock, f.bit, settings_.residual_bits());
+      flip_residual(
+          model_->cells(bank_of(f.node % size_.nodes_per_clock, f.component, name(f.place)),
+                        "cells"),
+          f.node / size_.nodes_per_clock, f.bit, settings_.residual_bits());
       break;
     case Place::d: {
       const int copy = memories_.copies_in_partition() * f.partition + f.copy;

@@ -131,7 +131,7 @@ class RtlEngine {
   std::function<void()> watcher_;
   int nodes_ = 0;
   std::vector<int> packages_;  // of the partitions
-  bool has_inverse_ = false;  // P⁻¹ of the loaded matrix
+  bool has_inverse_ = false;   // P⁻¹ of the loaded matrix
   std::int64_t clocks_ = 0;
   std::int64_t copy_clocks_ = 0;
   bool copying_ = false;
