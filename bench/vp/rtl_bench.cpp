@@ -1,5 +1,8 @@
 // The engine in SystemVerilog beside the cycle-accurate one: clocks a second, and how many times as
 // many the other makes in the same run of this program.
+#include <cstdint>
+#include <limits>
+
 #include <benchmark/benchmark.h>
 
 #include "bench/vp/engine_bench.h"
@@ -16,8 +19,9 @@ void rtl(benchmark::State& state) {
   ClockRate rate;
   for (auto _ : state) {
     engine.start_solve(system.settings);
-    engine.run_to_end();
-    engine.copy_x();
+    engine.run_until(std::numeric_limits<std::int64_t>::max());
+    engine.start_copy();
+    engine.end_copy();
     rate.add(engine.clocks());
   }
   rate.show(state);
