@@ -220,6 +220,7 @@ TEST_P(RtlFlips, LeaveBothEquallyWrong) {
     if (HasFailure()) break;
   }
   flips.print();
+  int idle = 0;
   for (std::size_t i = 0; i < engine::kFlipPlaces; ++i) {
     const Seen& seen = flips.seen(static_cast<FlipPlace>(i));
     const auto place = static_cast<FlipPlace>(i);
@@ -228,8 +229,9 @@ TEST_P(RtlFlips, LeaveBothEquallyWrong) {
     if (!exponent && !flips.compared(place)) continue;
     if (of_preconditioner && !preconditions(*GetParam())) continue;
     EXPECT_GT(seen.flips - seen.idle, 0) << engine::name(place);
-    EXPECT_GT(seen.idle, 0) << engine::name(place);
+    idle += seen.idle;
   }
+  EXPECT_GT(idle, 0);
   if (flips.compared(FlipPlace::last)) {
     EXPECT_GT(flips.seen(FlipPlace::last).no_end, 0);
   }

@@ -129,8 +129,8 @@ void VectorUnit::carry_rows() {
   const int read = architecture_.memory_read_clocks - 1;
   round_rows(read);
   for (const ProductWords& row : rows_at(std::max(read, 5))) lanes_.add_widest(row.part);
-  for (const ProductWords& row : rows_at(std::max(read, 7))) lanes_.add_squares(row.part);
-  for (const ProductWords& row : rows_at(std::max(read, 8))) lanes_.add_dot(row.part);
+  for (const ProductWords& row : rows_at(std::max(read, 8))) lanes_.add_squares(row.part);
+  for (const ProductWords& row : rows_at(std::max(read, 9))) lanes_.add_dot(row.part);
 }
 
 void VectorUnit::round_rows(int rank) {
