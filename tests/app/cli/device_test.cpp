@@ -187,7 +187,7 @@ TEST_F(Device, CountsSeveralDevices) {
 TEST_F(Device, RefusesAWrongScenarioAsEveryCommandDoes) {
   const Ended ended = device({"--set", "accelerator.partition=5"});
   EXPECT_EQ(ended.status, 2);
-  EXPECT_THAT(ended.err, HasSubstr("did you mean \"partitions\"?"));
+  EXPECT_THAT(ended.err, HasSubstr("did you mean \"partitions\""));
   EXPECT_EQ(lines(ended.err).size(), 1U);
 }
 

@@ -103,12 +103,12 @@ TEST(Faults, ABitThatNoEngineHasIsRefused) {
 }
 
 TEST(Faults, AFlipThatTheLevelRtlDoesNotCompareIsRefused) {
-  const Faulty turns(
-      "\n[fidelity]\naccelerator = \"rtl\"\n\n[accelerator]\ndirection_memory = \"stall\"\n\n"
-      "[[fault]]\nkind = \"flip\"\nframe = 5\nplace = \"nodes\"\n");
-  EXPECT_EQ(turns.ended.status, 2);
-  if (turns.ended.err.find("Verilator") != std::string::npos) GTEST_SKIP() << turns.ended.err;
-  EXPECT_THAT(turns.ended.err, HasSubstr("place: nodes is not compared"));
+  const Faulty exponent(
+      "\n[fidelity]\naccelerator = \"rtl\"\n\n"
+      "[[fault]]\nkind = \"flip\"\nframe = 5\nplace = \"r_exponent\"\n");
+  EXPECT_EQ(exponent.ended.status, 2);
+  if (exponent.ended.err.find("Verilator") != std::string::npos) GTEST_SKIP() << exponent.ended.err;
+  EXPECT_THAT(exponent.ended.err, HasSubstr("place: r_exponent is not compared at the level rtl"));
 }
 
 TEST(Faults, ABitThatTheMeshDoesNotHaveIsNamedByItsIndex) {

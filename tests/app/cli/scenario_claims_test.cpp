@@ -483,6 +483,31 @@ const std::map<std::string, std::vector<Claim>>& claims() {
                             quick.at("deadline").at("skipped_ticks").get<int>();
            EXPECT_NEAR(more, 5 * waits, waits);
          }}}},
+      {"flipped-bit.toml",
+       {{"r is healed by the next job, which forms it anew from U",
+         [](Runs& r) {
+           const json& flips = r.summary("flipped-bit.toml").at("flips");
+           EXPECT_EQ(flips.at("made"), 1);
+           const json& last = flips.at("last_wrong_frame");
+           EXPECT_TRUE(last.is_null() || last == 20) << last;
+         }},
+        {"a word of the matrix (place = \"matrix\") stays wrong until somebody writes it again",
+         [](Runs& r) {
+           const json& flips =
+               r.summary("flipped-bit.toml", {"fault[0].place=matrix", "fault[0].bit=10"})
+                   .at("flips");
+           EXPECT_EQ(flips.at("last_wrong_frame"), 29);
+           EXPECT_GT(flips.at("worst_error"), 1);
+         }},
+        {"a job that has no end, the driver's time-out, and a board that is set up again",
+         [](Runs& r) {
+           for (const char* place : {"last", "loops"}) {
+             const json& s =
+                 r.summary("flipped-bit.toml", {std::string("fault[0].place=") + place});
+             EXPECT_EQ(s.at("flips").at("noticed"), 1) << place;
+             EXPECT_GE(s.at("driver").at("recoveries"), 1) << place;
+           }
+         }}}},
       {"daq-beside-dma.toml",
        {{"7.7 us a frame",
          [](Runs& r) {

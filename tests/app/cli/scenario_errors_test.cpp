@@ -59,7 +59,7 @@ INSTANTIATE_TEST_SUITE_P(
         InFile{"[budget]", "[transfer]\nmethod = \"dma\"\ndma.segment_bytes = 66\n[budget]",
                "s.toml:6: transfer.dma.segment_bytes: ", "expected a multiple of 4, found 66"},
         InFile{"nodes = 60", "node = 60",
-               "s.toml:10: object.mesh.node: ", "unknown key; did you mean \"nodes\"?"},
+               "s.toml:10: object.mesh.node: ", "unknown key; did you mean \"nodes\""},
         InFile{"[budget]", "[budgets]", "s.toml:4: budgets: ", "did you mean \"budget\"?"},
         InFile{"\"2 ms\"", "2",
                "s.toml:5: budget.period: ", "missing unit: expected a time such as \"2 ms\""},
@@ -332,7 +332,7 @@ TEST_P(WrongOverride, IsNamedInPlaceOfALine) {
 INSTANTIATE_TEST_SUITE_P(
     Set, WrongOverride,
     ::testing::Values(
-        Override{"object.mesh.node=60", "did you mean \"nodes\"?"},
+        Override{"object.mesh.node=60", "did you mean \"nodes\""},
         Override{"nonsense=1", "unknown key"}, Override{"budget.period=2", "missing unit"},
         Override{"budget.period=0 s", "out of range"},
         Override{"dynamics.newmark_beta=0.25", "unstable"},

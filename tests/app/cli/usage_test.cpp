@@ -70,7 +70,7 @@ INSTANTIATE_TEST_SUITE_P(
         Wrong{{},
               "expected a command: run, explain, misses, device, stability, serve, linux, replay, "
               "fit, "
-              "measure, solve, mesh, export, resolve, reference"},
+              "measure, solve, mesh, export, rtl, resolve, reference"},
         Wrong{{"rum"}, "unknown command rum; did you mean run?"},
         Wrong{{"simulate"}, "unknown command simulate; there is run, explain"},
         Wrong{{"study", "axes.toml"}, "hvp: study is run by ./hvp study …"},

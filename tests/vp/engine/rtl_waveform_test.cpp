@@ -165,8 +165,8 @@ TEST(RtlWaveform, HasTheValuesOfTheCycleAccurateOneUnderTheSameNames) {
     ++shared;
     // Walks through both side by side.
     const ValueChanges::Changes& other = vcd.changes.at(name);
-    // z·r, and r·r with it, comes later where the engine has a preconditioner.
-    const bool late = name.ends_with("z_r_value") && kEngineThesis.preconditioner;
+    // z·r, and r·r with it, comes later with a preconditioner.
+    const bool late = name.ends_with("z_r_value") && settings.preconditioned();
     const std::int64_t behind = late ? 10'000 * std::max(0, 24 - kEngineThesis.phase_clocks) : 0;
     std::size_t i = 0, j = 0;
     for (std::int64_t time = begin + 10'000; time <= end; time += 10'000) {
