@@ -45,7 +45,7 @@ PROCESSES = re.compile(
     r"sys/(wait|prctl|resource|socket)\.h|c?signal(\.h)?|poll\.h|thread|mutex|future"
 )
 PATH = re.compile(
-    r"(?<![\w/.-])((?:models|vp|app|driver|tables|tests|bench)/[\w./*-]+\.(?:cpp|h|c|py|sv|sh))"
+    r"(?<![\w/.-])((?:models|vp|app|driver|tables|tests|bench)/[\w./*-]+\.(?:cpp|h|cmake|c|py|sv|sh)\b)"
 )
 
 

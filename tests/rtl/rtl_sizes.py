@@ -153,7 +153,7 @@ def drawn(draw: random.Random) -> Size | None:
     shortest = max((SCALAR_BITS - 1) // 8 + coefficient_bits + 41 + late, 36 + 2 * coefficient_bits)
     if preconditioner:
         row_packages = math.ceil(COMPONENTS * ROW_BLOCKS / package)
-        inverse_clocks = 12 + row_packages + COMPONENTS * (matrix_bits + 23)
+        inverse_clocks = 14 + row_packages + COMPONENTS * (matrix_bits + 23)
         shortest = max(shortest, math.ceil(inverse_clocks / COMPONENTS))
     values = {
         # The right-hand side drops a bit less, of which 15 fit into StaticBits.

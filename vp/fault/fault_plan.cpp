@@ -244,7 +244,6 @@ std::string_view missing_in_frame(const Fault& fault) {
     case FaultKind::stuck_busy:
     case FaultKind::saturated_solve:
     case FaultKind::function_level_reset:
-      return "no solve was started";
     case FaultKind::flip:
       return "no solve was started";
     case FaultKind::master_abort:

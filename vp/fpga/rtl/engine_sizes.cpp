@@ -83,8 +83,8 @@ EngineSize wanted_size(const accel::Architecture& a, const fixed::Settings& s, c
   size.queue_bits = bits_of(a.result_queue);
   size.phase_clocks = a.phase_clocks();
   size.division_clocks = static_cast<int>(a.division(s));
-  size.static_bits =
-      std::max<int>(kStaticBits, std::bit_width(static_cast<std::uint32_t>(s.rhs_shift())));
+  size.static_bits = std::max(
+      kStaticBits, static_cast<int>(std::bit_width(static_cast<std::uint32_t>(s.rhs_shift()))));
   size.rows_in_parallel = a.rows_in_parallel;
   size.direction_banks = a.direction_banks;
   size.direction_memory = a.direction_memory;

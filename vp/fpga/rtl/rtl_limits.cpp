@@ -101,7 +101,7 @@ void require_buildable(const accel::Architecture& a, const fixed::Settings& s) {
   if (s.preconditioned()) {
     // Three divisions look up a node's row, of a package a clock, and make its words of P⁻¹.
     const int packages = (3 * EngineSize::kBlocksOfARow + a.package - 1) / a.package;
-    least = std::max(least, (12 + packages + 3 * (s.matrix_bits + 23) + 2) / 3);
+    least = std::max(least, (14 + packages + 3 * (s.matrix_bits + 23) + 2) / 3);
   }
   require_at_least("division_clocks", static_cast<int>(a.division(s)), least);
 }

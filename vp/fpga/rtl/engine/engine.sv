@@ -112,7 +112,7 @@ module engine
   end
   // Of a node: what looks its row up, whose packages are a clock each, and three serial divisions.
   localparam int MostPackages = (3 * 2 ** BlockBits + Package - 1) / Package;
-  localparam int InverseClocks = 12 + MostPackages + 3 * (MatrixBits + InverseBits + 5);
+  localparam int InverseClocks = 14 + MostPackages + 3 * (MatrixBits + InverseBits + 5);
   if (Preconditioner && 3 * DivisionClocks < InverseClocks) begin
     $error("a node's words of the inverse diagonal take longer than three divisions");
   end
