@@ -95,20 +95,15 @@ void require_compared(const Scenario& s, const vp::engine::Flip& flip) {
   const bool turns = a.direction_memory != accel::DirectionMemory::double_pumped ||
                      a.direction_banks > 1 || a.rows_in_parallel < 3 ||
                      nodes > a.direction_accesses();
-  if (turns &&
-      (flip.place == Place::nodes || flip.place == Place::phase || flip.place == Place::last)) {
+  if (turns && (flip.place == Place::nodes || flip.place == Place::phase)) {
     throw InputError("place", std::string(name(flip.place)) +
                                   " is not compared at the level rtl where packages take turns at "
                                   "the memories of d: expected another place, or "
                                   "fidelity.accelerator = \"cycle-accurate\"");
   }
-  // With one partition a row too many was seen to lead both apart.
-  if (a.partitions == 1 && flip.place == Place::last) {
-    throw InputError("place",
-                     "last is not compared at the level rtl with one partition: expected "
-                     "another place, or fidelity.accelerator = \"cycle-accurate\"");
-  }
-  if (flip.place == Place::r_exponent || flip.place == Place::d_exponent) {
+  // A row too many was seen to lead both apart.
+  if (flip.place == Place::r_exponent || flip.place == Place::d_exponent ||
+      flip.place == Place::last) {
     throw InputError("place", std::string(name(flip.place)) +
                                   " is not compared at the level rtl: expected another place, or "
                                   "fidelity.accelerator = \"cycle-accurate\"");

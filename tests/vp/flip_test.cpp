@@ -198,6 +198,7 @@ TEST(Flips, AreTheSameAtTheLevelRtl) {
   }
   for (std::size_t place = 0; place < engine::kFlipPlaces; ++place) {
     if (static_cast<FlipPlace>(place) >= FlipPlace::r_exponent) break;  // not compared there
+    if (static_cast<FlipPlace>(place) == FlipPlace::last) continue;     // nor this
     const auto run_at = [place](Timing level) {
       return test::output_of_child([place, level](std::string& out) {
         SmallScene scene;
