@@ -121,13 +121,13 @@ BLOCKED = {
     "shortblocks": (
         "The same with the shortest words, where a row of P⁻¹ is longest beside its scale.",
         """MatrixBits 8 VectorBits 12 CoefficientBits 8 Package 3 Partitions 1 Lanes 1 NodeBits 6
-        PackageBits 11 QueueBits 2 PhaseClocks 19 DivisionClocks 64 StaticBits 4
+        PackageBits 11 QueueBits 2 PhaseClocks 19 DivisionClocks 62 StaticBits 4
         Preconditioner 2""",
     ),
     "wideblocks": (
-        "The same with long words, four lanes, and quotients that take longer than a division.",
-        """MatrixBits 16 VectorBits 18 CoefficientBits 12 Package 13 Partitions 7 Lanes 4 NodeBits 8
-        PackageBits 8 QueueBits 3 PhaseClocks 27 DivisionClocks 68 StaticBits 4
+        "The same with long words, four lanes and rows two at a time.",
+        """MatrixBits 16 VectorBits 18 CoefficientBits 12 Package 12 Partitions 7 Lanes 4 NodeBits 8
+        PackageBits 8 QueueBits 3 PhaseClocks 24 DivisionClocks 78 StaticBits 4
         Preconditioner 2 RowsInParallel 2 DirectionMemory two_copies DirectionBanks 4""",
     ),
 }

@@ -40,6 +40,6 @@ hvp_tested_size(drawn20 MatrixBits 15 VectorBits 19 CoefficientBits 9 Package 15
 # A preconditioner of blocks, whose words take nearly as long as six divisions.
 hvp_tested_size(blocks MatrixBits 12 VectorBits 16 CoefficientBits 16 Package 8 Partitions 5 Lanes 2 NodeBits 9 PackageBits 10 QueueBits 4 PhaseClocks 20 DivisionClocks 68 StaticBits 4 Preconditioner 2)
 # The same with the shortest words, where a row of P⁻¹ is longest beside its scale.
-hvp_tested_size(shortblocks MatrixBits 8 VectorBits 12 CoefficientBits 8 Package 3 Partitions 1 Lanes 1 NodeBits 6 PackageBits 11 QueueBits 2 PhaseClocks 19 DivisionClocks 64 StaticBits 4 Preconditioner 2)
-# The same with long words, four lanes, and quotients that take longer than a division.
-hvp_tested_size(wideblocks MatrixBits 16 VectorBits 18 CoefficientBits 12 Package 13 Partitions 7 Lanes 4 NodeBits 8 PackageBits 8 QueueBits 3 PhaseClocks 27 DivisionClocks 68 StaticBits 4 Preconditioner 2 RowsInParallel 2 DirectionMemory two_copies DirectionBanks 4)
+hvp_tested_size(shortblocks MatrixBits 8 VectorBits 12 CoefficientBits 8 Package 3 Partitions 1 Lanes 1 NodeBits 6 PackageBits 11 QueueBits 2 PhaseClocks 19 DivisionClocks 62 StaticBits 4 Preconditioner 2)
+# The same with long words, four lanes and rows two at a time.
+hvp_tested_size(wideblocks MatrixBits 16 VectorBits 18 CoefficientBits 12 Package 12 Partitions 7 Lanes 4 NodeBits 8 PackageBits 8 QueueBits 3 PhaseClocks 24 DivisionClocks 78 StaticBits 4 Preconditioner 2 RowsInParallel 2 DirectionMemory two_copies DirectionBanks 4)

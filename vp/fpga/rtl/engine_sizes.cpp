@@ -124,7 +124,8 @@ std::string identifier(const EngineSize& size) {
   constexpr std::array kEndings = {"", "_jacobi", "_blocks"};
   std::string text;
   for (const Parameter& p : kParameters) text += p.letter + std::to_string(size.*p.value);
-  return text + "_" + parameter(size.direction_memory) + kEndings[static_cast<std::size_t>(size.preconditioner)];
+  return text + "_" + parameter(size.direction_memory) +
+         kEndings[static_cast<std::size_t>(size.preconditioner)];
 }
 
 }  // namespace hvp::vp::rtl

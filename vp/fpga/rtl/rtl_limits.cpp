@@ -107,9 +107,8 @@ void require_buildable(const accel::Architecture& a, const fixed::Settings& s) {
     least = std::max(least, (look_up + 3 * quotient + 2) / 3);
   }
   if (s.method == fixed::Method::block_jacobi_pcg) {
-    // With blocks their products and rows, too; a quotient has no fewer clocks than it takes.
-    const int all = look_up + 36 + 6 * (quotient - 2);
-    if (6 * quotient < all) least = std::max(least, (all + 5) / 6);
+    // With blocks their products and rows, too.
+    least = std::max(least, (look_up + 34 + 6 * (quotient - 2) + 5) / 6);
   }
   require_at_least("division_clocks", static_cast<int>(a.division(s)), least);
 }

@@ -43,8 +43,7 @@ module block_inverse_maker
   localparam int DeterminantBits = 3 * M;
   localparam int Steps = CofactorBits + M + InverseBits;  // bits of the numerator
   localparam int StepBits = $clog2(Steps);
-  localparam int Shortest = Steps + 4;          // fixed::shortest_inverse_division
-  localparam int NodeClocks = 6 * (DivisionClocks > Shortest ? DivisionClocks : Shortest);
+  localparam int NodeClocks = 6 * DivisionClocks;
   localparam int ClockBits = $clog2(NodeClocks + PhaseClocks + 1);
   localparam int CountBits = NodeBits + 2;      // of three rows a node
   localparam int LookUp = 3;                    // clocks for which the node's number holds still before

@@ -117,9 +117,8 @@ module engine
     $error("a node's words of the inverse diagonal take longer than three divisions");
   end
   // And with blocks their products, six quotients and three rows.
-  localparam int QuotientClocks = 3 * MatrixBits + InverseBits - 1 + 4;
-  localparam int BlockClocks = 14 + MostPackages + 36 + 6 * (QuotientClocks - 2);
-  if (Preconditioner == 2 && 6 * DivisionClocks < BlockClocks && 6 * QuotientClocks < BlockClocks) begin
+  localparam int BlockClocks = 14 + MostPackages + 34 + 6 * (3 * MatrixBits + InverseBits + 1);
+  if (Preconditioner == 2 && 6 * DivisionClocks < BlockClocks) begin
     $error("a node's words of the inverse block take longer than six divisions");
   end
 
