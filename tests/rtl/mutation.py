@@ -1,6 +1,6 @@
 """Mutants of the RTL engine: which of them do the engine's tests notice?
 
-    cmake build/release -DHVP_RTL_SIZES='narrow;wide;stall;banks;rows'
+    cmake build/release -DHVP_RTL_SIZES='narrow;wide;stall;banks;rows;blocks'
     cmake --build build/release --target test_rtl_engine
     python tests/rtl/mutation.py --build build/release --count 400
 
@@ -42,6 +42,8 @@ WANTED = 0.9
 RANDOM = "Engine/RtlSizes.AgreeOnRandomSystems"
 CONTACTS = "Engine/RtlSizes.AgreeOnContacts"
 ABORTS = "Engine/RtlSizes.AgreeWhereverASolveIsAborted"
+INVERSES = "Engine/RtlInverse.AgreesOnBlocksOfAnyKind"
+INVERSE_ABORTS = "Engine/RtlInverse.AgreesWhereverItIsAborted"
 THRESHOLDS = "Engine/RtlSizes.StopAtTheThreshold"
 # What is first tried on a module's mutants: where there are some, tests of the module by itself,
 # and where only some sizes have the module, one of these.
@@ -52,6 +54,8 @@ FIRST = {
     "matrix_editor.sv": f"{CONTACTS}/narrow",
     "inverse_maker.sv": f"{RANDOM}/wide",
     "preconditioner_lane.sv": f"{RANDOM}/wide",
+    "block_inverse_maker.sv": f"{INVERSES}/blocks",
+    "block_preconditioner_lane.sv": f"{RANDOM}/blocks",
     "wide_multiplier.sv": f"{RANDOM}/wide",
     "bank_reads.sv": f"{RANDOM}/banks",
     "direction_bank.sv": f"{RANDOM}/banks",
@@ -73,7 +77,10 @@ WHOLE = (
 OTHERS = (
     "RtlScaler.*",
     "RtlDivider.*",
-    "RtlEngine.AgreesWhereverTheInverseIsAborted",
+    f"{INVERSE_ABORTS}/wide",
+    f"{INVERSE_ABORTS}/blocks",
+    f"{CONTACTS}/blocks",
+    f"{RANDOM}/blocks",
     f"{ABORTS}/wide",
     f"{THRESHOLDS}/narrow",
     f"{THRESHOLDS}/thesis",
