@@ -253,6 +253,7 @@ def main() -> int:
     parser.add_argument("--count", type=int, default=400)
     parser.add_argument("--seed", type=int, default=1)
     parser.add_argument("--listed", metavar="KIND", help="those of survivors.toml instead")
+    parser.add_argument("--modules", nargs="+", metavar="FILE.sv", help="mutants of these alone")
     parser.add_argument("--numbers", type=int, nargs="+", help="only these mutants")
     parser.add_argument("--minutes", type=float, default=math.inf, help="begin none after as many")
     options = parser.parse_args()
@@ -262,7 +263,13 @@ def main() -> int:
     if options.listed:
         places = listed(modules, options.listed)
     else:
-        places = chosen(modules, options.count, options.seed)
+        names = options.modules or [module.name for module in modules]
+        unknown = set(names) - {module.name for module in modules}
+        if unknown:
+            parser.error(f"expected modules of {ENGINE}: found {', '.join(sorted(unknown))}")
+        drawn = [module for module in modules if module.name in names]
+        places = {module.name: [] for module in modules}
+        places |= chosen(drawn, options.count, options.seed)
     try:
         program, mutants = mutated_program(build, folder, modules, places)
     except NotBuiltError as error:
