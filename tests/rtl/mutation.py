@@ -163,11 +163,15 @@ def mutated_program(
     variant = Variant(folder, (), HERE / "selected_mutant.cpp")
     files = {}
     for one in translations(build):
-        names = [path.name for path in engine_sources(one)]
+        paths = engine_sources(one)
+        names = [path.name for path in paths]
         if one.is_engine:
             files[one.name] = [sources / "mutants.sv", *(sources / name for name in names)]
         else:
-            files[one.name] = [sources / f"alone_{name}" for name in names]
+            # What a test has of its own, beside the module, stays as it is.
+            files[one.name] = [
+                sources / f"alone_{path.name}" if path.parent == ENGINE else path for path in paths
+            ]
     return build_program(build, variant, files), mutants
 
 
