@@ -249,8 +249,8 @@ void compare_aborts(const EngineSize& size, std::uint64_t seed) {
     SCOPED_TRACE("clock " + std::to_string(clocks));
     settings.start = clocks % 2 == 0 ? fixed::Start::extrapolated : fixed::Start::warm;
     if (matrix.block_rows() == 0 || random.below(3) == 0) {
-      settings.method = size.preconditions() && random.below(2) == 0 ? method_of(size)
-                                                                    : fixed::Method::cg;
+      settings.method =
+          size.preconditions() && random.below(2) == 0 ? method_of(size) : fixed::Method::cg;
       matrix = hvp::test::random_matrix(40 + random.below(20), 8, size.matrix_bits, random);
       pair.load(matrix, settings);
       ++pair.systems;
