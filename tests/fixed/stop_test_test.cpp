@@ -40,7 +40,9 @@ UInt128 number(test::Random& random, int most_bits) {
 double a_limit(test::Random& random) {
   constexpr std::array kUsual = {1e-3, 1e-2, 0.05, 0.5, 1.0, StopTest::kLeast};
   if (random.below(4) == 0) return kUsual[static_cast<std::size_t>(random.below(6))];
-  return std::max(StopTest::kLeast, std::ldexp(random.uniform(), -random.below(60)));
+  // Each draw has a statement: compilers make a call's arguments in different orders.
+  const int exponent = random.below(60);
+  return std::max(StopTest::kLeast, std::ldexp(random.uniform(), -exponent));
 }
 
 // A sum of squares within so many units of the limit; false where none of 128 bits is.
