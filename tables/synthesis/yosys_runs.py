@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from importlib import metadata
 from pathlib import Path
 
-from engines import BLOCKS, WHOLE, Block, Engine
+from engines import WHOLE, Block, Engine, blocks_of
 
 TOP = Path(__file__).resolve().parents[2]
 SOURCES = TOP / "vp/fpga/rtl/engine"
@@ -75,7 +75,7 @@ def read_engine(engine: Engine, folder: Path) -> None:
         "setparam -unset Bits -unset Shift t:DP16KD",
         "design -save read",
     ]
-    for block in (*BLOCKS, WHOLE):
+    for block in blocks_of(engine):
         commands += [
             "design -load read",
             f"hierarchy -top {module_of(block)}",
