@@ -134,11 +134,14 @@ locked() { # directory command…
 # What configuring found: where the build directory belongs, as a checkout that was moved or copied
 # must not build from the old place, which CMake's cache remembers; and the packages, as what was
 # not there then is left out; the engine's modules, as ninja translates them once more before
-# it looks for new ones; and the engine's sizes that were asked for.
+# it looks for new ones; and the engine's sizes that were asked for, and that the tests have.
 configured_for() { # preset
   printf '%s\n' "$top" "$build/$1"
   (cd "$top" && printf '%s\n' vp/fpga/rtl/*.sv vp/fpga/rtl/engine/*.sv)
-  [[ ! -f $build/$1/rtl-sizes.cmake ]] || cat "$build/$1/rtl-sizes.cmake"
+  local sizes
+  for sizes in "$build/$1/rtl-sizes.cmake" "$top/tests/vp/engine/rtl_sizes.cmake"; do
+    [[ ! -f $sizes ]] || cat "$sizes"
+  done
   installed_packages
 }
 

@@ -1,6 +1,6 @@
 """Mutants of the RTL engine: which of them do the engine's tests notice?
 
-    cmake build/release -DHVP_RTL_SIZES='narrow;wide;stall;banks;rows'
+    cmake build/release -DHVP_RTL_SIZES='narrow;wide;stall;banks;rows;blocks'
     cmake --build build/release --target test_rtl_engine
     python tests/rtl/mutation.py --build build/release --count 400
 
@@ -42,6 +42,8 @@ WANTED = 0.9
 RANDOM = "Engine/RtlSizes.AgreeOnRandomSystems"
 CONTACTS = "Engine/RtlSizes.AgreeOnContacts"
 ABORTS = "Engine/RtlSizes.AgreeWhereverASolveIsAborted"
+INVERSES = "Engine/RtlInverse.AgreesOnBlocksOfAnyKind"
+INVERSE_ABORTS = "Engine/RtlInverse.AgreesWhereverItIsAborted"
 THRESHOLDS = "Engine/RtlSizes.StopAtTheThreshold"
 # What is first tried on a module's mutants: where there are some, tests of the module by itself,
 # and where only some sizes have the module, one of these.
@@ -52,6 +54,8 @@ FIRST = {
     "matrix_editor.sv": f"{CONTACTS}/narrow",
     "inverse_maker.sv": f"{RANDOM}/wide",
     "preconditioner_lane.sv": f"{RANDOM}/wide",
+    "block_inverse_maker.sv": f"{INVERSES}/blocks",
+    "block_preconditioner_lane.sv": f"{RANDOM}/blocks",
     "wide_multiplier.sv": f"{RANDOM}/wide",
     "bank_reads.sv": f"{RANDOM}/banks",
     "direction_bank.sv": f"{RANDOM}/banks",
@@ -73,7 +77,10 @@ WHOLE = (
 OTHERS = (
     "RtlScaler.*",
     "RtlDivider.*",
-    "RtlEngine.AgreesWhereverTheInverseIsAborted",
+    f"{INVERSE_ABORTS}/wide",
+    f"{INVERSE_ABORTS}/blocks",
+    f"{CONTACTS}/blocks",
+    f"{RANDOM}/blocks",
     f"{ABORTS}/wide",
     f"{THRESHOLDS}/narrow",
     f"{THRESHOLDS}/thesis",
@@ -156,11 +163,15 @@ def mutated_program(
     variant = Variant(folder, (), HERE / "selected_mutant.cpp")
     files = {}
     for one in translations(build):
-        names = [path.name for path in engine_sources(one)]
+        paths = engine_sources(one)
+        names = [path.name for path in paths]
         if one.is_engine:
             files[one.name] = [sources / "mutants.sv", *(sources / name for name in names)]
         else:
-            files[one.name] = [sources / f"alone_{name}" for name in names]
+            # What a test has of its own, beside the module, stays as it is.
+            files[one.name] = [
+                sources / f"alone_{path.name}" if path.parent == ENGINE else path for path in paths
+            ]
     return build_program(build, variant, files), mutants
 
 
@@ -246,6 +257,7 @@ def main() -> int:
     parser.add_argument("--count", type=int, default=400)
     parser.add_argument("--seed", type=int, default=1)
     parser.add_argument("--listed", metavar="KIND", help="those of survivors.toml instead")
+    parser.add_argument("--modules", nargs="+", metavar="FILE.sv", help="mutants of these alone")
     parser.add_argument("--numbers", type=int, nargs="+", help="only these mutants")
     parser.add_argument("--minutes", type=float, default=math.inf, help="begin none after as many")
     options = parser.parse_args()
@@ -255,7 +267,13 @@ def main() -> int:
     if options.listed:
         places = listed(modules, options.listed)
     else:
-        places = chosen(modules, options.count, options.seed)
+        names = options.modules or [module.name for module in modules]
+        unknown = set(names) - {module.name for module in modules}
+        if unknown:
+            parser.error(f"expected modules of {ENGINE}: found {', '.join(sorted(unknown))}")
+        drawn = [module for module in modules if module.name in names]
+        places = {module.name: [] for module in modules}
+        places |= chosen(drawn, options.count, options.seed)
     try:
         program, mutants = mutated_program(build, folder, modules, places)
     except NotBuiltError as error:

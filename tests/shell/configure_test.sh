@@ -87,8 +87,13 @@ expect 'a package has gone' 1 "$(configured)"
 touch -d '1 minute' "$top/CMakePresets.json"  # Later than this moment's tick.
 expect 'the presets have changed' 1 "$(configured)"
 
-# ./hvp rtl keeps the engine's size in the build, once, and not where it cannot be built.
 touch -d '2020-01-01' "$top/CMakePresets.json"
+mkdir -p "$top/tests/vp/engine"
+printf 'hvp_tested_size(n8 NodeBits 8)\n' >"$top/tests/vp/engine/rtl_sizes.cmake"
+expect 'the sizes of the tests have changed' 1 "$(configured)"
+expect 'they are the same' 0 "$(configured)"
+
+# ./hvp rtl keeps the engine's size in the build, once, and not where it cannot be built.
 sizes=$top/build/release/rtl-sizes.cmake
 mkdir "$top/build/release/app"
 cat >"$top/build/release/app/hvp" <<'T'

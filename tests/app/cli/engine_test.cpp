@@ -181,7 +181,6 @@ TEST_F(Engine, InSystemVerilogGivesTheBytesOfTheCycleAccurateOne) {
   const std::pair<const char*, const char*> refused[] = {
       {"accelerator.package=17", "at the level rtl at most 16 was expected"},
       {"accelerator.pipeline_clocks=15", "at the level rtl at least 19 was expected"},
-      {"solver.method=block-jacobi-pcg", "\"cg\" or \"jacobi-pcg\" was expected"},
       {"solver.scalar_bits=128", "at the level rtl 64 was expected"},
       {"solver.overflow=wrap", "at the level rtl \"saturate\" was expected"}};
   for (const auto& [set, reason] : refused) {

@@ -19,6 +19,7 @@ namespace hvp::vp::rtl::rtl_engine_test {
 namespace {
 
 using fixed::Settings;
+using test::method_of;
 using test::Pair;
 using test::Random;
 using test::settings_of;
@@ -31,7 +32,7 @@ constexpr int kOtherStarts = 2;
 // Any rules that the RTL has.
 Settings random_settings(const EngineSize& size, Random& random) {
   Settings s = settings_of(size);
-  if (size.preconditioner && random.below(2) == 0) s.method = fixed::Method::jacobi_pcg;
+  if (size.preconditions() && random.below(2) == 0) s.method = method_of(size);
   s.start = static_cast<fixed::Start>(random.below(3));
   s.iterations = 1 + random.below(20);
   s.division_rounding = static_cast<fixed::Rounding>(random.below(3));
@@ -86,7 +87,7 @@ void compare_random_systems(const EngineSize& size, int systems, std::uint64_t s
   for (int i = 0; i < systems; ++i) {
     Settings settings = random_settings(size, random);
     // Of no node, too.
-    if (i == 0 && size.preconditioner) settings.method = fixed::Method::jacobi_pcg;
+    if (i == 0 && size.preconditions()) settings.method = method_of(size);
     SCOPED_TRACE("system " + std::to_string(i) + " of seed " + std::to_string(seed) + ": " +
                  described(settings));
     // The smallest ones first: with fewer rows than partitions some of those are empty.
@@ -142,7 +143,7 @@ void compare_thresholds(const EngineSize& size, int systems, std::uint64_t seed)
     settings.start = fixed::Start::zero;
     settings.iterations = 1 + random.below(6);
     // Its squares are longer than a double, so that their roundings decide as well.
-    if (size.preconditioner && random.below(4) != 0) settings.method = fixed::Method::jacobi_pcg;
+    if (size.preconditions() && random.below(4) != 0) settings.method = method_of(size);
     const fixed::QuantisedMatrix matrix =
         hvp::test::random_matrix(1 + random.below(30), 4, size.matrix_bits, random);
     const auto b = words(matrix.rows(), settings.residual_bits(), random);
@@ -183,8 +184,8 @@ void compare_contacts(const EngineSize& size, int systems, std::uint64_t seed) {
   int edits = 0;
   for (int i = 0; i < systems; ++i) {
     SCOPED_TRACE("system " + std::to_string(i));
-    const bool preconditions = size.preconditioner && i % 2 == 1;
-    settings.method = preconditions ? fixed::Method::jacobi_pcg : fixed::Method::cg;
+    const bool preconditions = size.preconditions() && i % 2 == 1;
+    settings.method = preconditions ? method_of(size) : fixed::Method::cg;
     const int nodes = i < 4 ? i + 1 : 2 + random.below(60);
     const fixed::QuantisedMatrix original =
         hvp::test::random_matrix(nodes, 1 + random.below(12), size.matrix_bits, random);
@@ -248,8 +249,8 @@ void compare_aborts(const EngineSize& size, std::uint64_t seed) {
     SCOPED_TRACE("clock " + std::to_string(clocks));
     settings.start = clocks % 2 == 0 ? fixed::Start::extrapolated : fixed::Start::warm;
     if (matrix.block_rows() == 0 || random.below(3) == 0) {
-      settings.method = size.preconditioner && random.below(2) == 0 ? fixed::Method::jacobi_pcg
-                                                                    : fixed::Method::cg;
+      settings.method =
+          size.preconditions() && random.below(2) == 0 ? method_of(size) : fixed::Method::cg;
       matrix = hvp::test::random_matrix(40 + random.below(20), 8, size.matrix_bits, random);
       pair.load(matrix, settings);
       ++pair.systems;

@@ -18,6 +18,7 @@ namespace {
 using engine::Flip;
 using engine::FlipPlace;
 using fixed::Settings;
+using test::method_of;
 using test::Pair;
 using test::Random;
 using test::settings_of;
@@ -27,14 +28,14 @@ constexpr std::int64_t kNoEnd = 60'000;  // clocks
 
 // Of a longer pass z is written before r: the cycle-accurate engine makes both at once.
 bool preconditions(const EngineSize& size) {
-  return size.preconditioner && size.phase_clocks <= engine::kLongestPass;
+  return size.preconditions() && size.phase_clocks <= engine::kLongestPass;
 }
 
 Settings random_settings(const EngineSize& size, Random& random) {
   Settings s = settings_of(size);
   s.start = static_cast<fixed::Start>(random.below(3));
   if (preconditions(size) && random.below(2) == 0) {
-    s.method = fixed::Method::jacobi_pcg;
+    s.method = method_of(size);
   }
   s.iterations = 1 + random.below(8);
   s.dynamic_scaling = random.below(4) != 0;
@@ -104,7 +105,7 @@ class Flips {
                        size_.direction_banks > 1 || size_.rows_in_parallel < 3;
     // An engine with a preconditioner has longer words behind the point without it, too.
     const bool exponent = place == FlipPlace::r_exponent || place == FlipPlace::d_exponent;
-    if (exponent && size_.preconditioner != settings_.preconditioned()) return false;
+    if (exponent && size_.preconditions() != settings_.preconditioned()) return false;
     // A row too many can lead both apart, which is not understood yet.
     if (place == FlipPlace::last) return false;
     return !turns || (place != FlipPlace::nodes && place != FlipPlace::phase);
@@ -229,7 +230,7 @@ TEST_P(RtlFlips, LeaveBothEquallyWrong) {
     const bool exponent = place == FlipPlace::r_exponent || place == FlipPlace::d_exponent;
     if (!exponent && !flips.compared(place)) continue;
     // Exponents are compared in systems of the size's own method.
-    const bool of_method = of_preconditioner || (exponent && size.preconditioner);
+    const bool of_method = of_preconditioner || (exponent && size.preconditions());
     if (of_method && !preconditions(size)) continue;
     EXPECT_GT(seen.flips - seen.idle, 0) << engine::name(place);
     idle += seen.idle;

@@ -60,27 +60,6 @@ TEST(RtlEngine, AgreesOnEveryMesh) {
   pair.print("thesis");
 }
 
-// Wherever P⁻¹ is on its way, a load makes it anew.
-TEST(RtlEngine, AgreesWhereverTheInverseIsAborted) {
-  Pair pair(kEngineThesis);
-  Random random(8);
-  Settings settings = settings_of(kEngineThesis);
-  settings.method = fixed::Method::jacobi_pcg;
-  settings.iterations = 2;
-  const fixed::QuantisedMatrix matrix = hvp::test::random_matrix(6, 3, 12, random);
-  constexpr std::int64_t kNodeClocks = 3 * 68;
-  for (std::int64_t clocks = 1; clocks < 2 * kNodeClocks; clocks += 3) {
-    SCOPED_TRACE("clock " + std::to_string(clocks));
-    pair.both.load(matrix, settings);
-    ASSERT_EQ(pair.both.rtl().invert(clocks), clocks);
-    pair.both.abort();
-    pair.load(matrix, settings);
-    pair.write_b(words(matrix.rows(), 32, random));
-    pair.solve(settings);
-    if (HasFatalFailure()) return;
-  }
-}
-
 // The comparison itself: what only one of both has is seen, with its place.
 TEST(RtlEngine, ADifferentWordIsFound) {
   const Settings settings = settings_of(kEngineThesis);

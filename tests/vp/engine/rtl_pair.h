@@ -43,6 +43,18 @@ inline fixed::Settings settings_of(const EngineSize& size) {
   return s;
 }
 
+// With the preconditioner that the size has.
+inline fixed::Method method_of(const EngineSize& size) {
+  switch (size.preconditioner) {
+    case Preconditioner::jacobi:
+      return fixed::Method::jacobi_pcg;
+    case Preconditioner::blocks:
+      return fixed::Method::block_jacobi_pcg;
+    default:
+      return fixed::Method::cg;
+  }
+}
+
 // Both engines, and what has been seen of them.
 class Pair : public fixed::Observer {
  public:

@@ -21,6 +21,7 @@ namespace {
 
 using fixed::Int128;
 using fixed::Settings;
+using test::method_of;
 using test::Pair;
 using test::Random;
 using test::settings_of;
@@ -152,7 +153,7 @@ Seen compare_rows(const EngineSize& size, std::uint64_t seed) {
     Settings settings = settings_of(size);
     settings.dynamic_scaling = i % 4 != 3;
     settings.shift_rounding = static_cast<fixed::Rounding>(i % 3);
-    if (size.preconditioner && i % 2 == 1) settings.method = fixed::Method::jacobi_pcg;
+    if (size.preconditions() && i % 2 == 1) settings.method = method_of(size);
     const int shift = settings.product_shift();
     FirstRows rows(nodes);
     for (std::vector<std::int32_t>& row : rows.words) {
@@ -200,7 +201,7 @@ void compare_short_rows(const EngineSize& size, std::uint64_t seed) {
     SCOPED_TRACE("system " + std::to_string(i));
     Settings settings = settings_of(size);
     settings.iterations = 2;
-    if (size.preconditioner && i % 2 == 1) settings.method = fixed::Method::jacobi_pcg;
+    if (size.preconditions() && i % 2 == 1) settings.method = method_of(size);
     // Without neighbours, each row is a block.
     const fixed::QuantisedMatrix matrix =
         hvp::test::random_matrix(nodes, i / 2, size.matrix_bits, random);

@@ -37,3 +37,9 @@ hvp_tested_size(drawn17 MatrixBits 8 VectorBits 18 CoefficientBits 10 Package 10
 hvp_tested_size(drawn18 MatrixBits 8 VectorBits 22 CoefficientBits 21 Package 12 Partitions 3 Lanes 2 NodeBits 8 PackageBits 8 QueueBits 1 PhaseClocks 22 DivisionClocks 93 StaticBits 4 Preconditioner 1 RowsInParallel 1 DirectionBanks 1 DirectionMemory two_copies)
 hvp_tested_size(drawn19 MatrixBits 9 VectorBits 28 CoefficientBits 23 Package 6 Partitions 10 Lanes 1 NodeBits 8 PackageBits 8 QueueBits 3 PhaseClocks 27 DivisionClocks 96 StaticBits 4 Preconditioner 1 RowsInParallel 2 DirectionBanks 8 DirectionMemory stall)
 hvp_tested_size(drawn20 MatrixBits 15 VectorBits 19 CoefficientBits 9 Package 15 Partitions 6 Lanes 2 NodeBits 10 PackageBits 7 QueueBits 3 PhaseClocks 22 DivisionClocks 60 StaticBits 4 Preconditioner 1 RowsInParallel 3 DirectionBanks 4 DirectionMemory stall)
+# A preconditioner of blocks, whose words take nearly as long as six divisions.
+hvp_tested_size(blocks MatrixBits 12 VectorBits 16 CoefficientBits 16 Package 8 Partitions 5 Lanes 2 NodeBits 9 PackageBits 10 QueueBits 4 PhaseClocks 20 DivisionClocks 68 StaticBits 4 Preconditioner 2)
+# The same with the shortest words, where a row of P⁻¹ is longest beside its scale.
+hvp_tested_size(shortblocks MatrixBits 8 VectorBits 12 CoefficientBits 8 Package 3 Partitions 1 Lanes 1 NodeBits 6 PackageBits 11 QueueBits 2 PhaseClocks 19 DivisionClocks 62 StaticBits 4 Preconditioner 2)
+# The same with long words, four lanes and rows two at a time.
+hvp_tested_size(wideblocks MatrixBits 16 VectorBits 18 CoefficientBits 12 Package 12 Partitions 7 Lanes 4 NodeBits 8 PackageBits 8 QueueBits 3 PhaseClocks 24 DivisionClocks 78 StaticBits 4 Preconditioner 2 RowsInParallel 2 DirectionMemory two_copies DirectionBanks 4)

@@ -53,6 +53,7 @@ const std::vector<Change>& other_engines() {
       [](Design& d) { d.s.matrix_bits = 13; },
       [](Design& d) { d.s.vector_bits = 15; },
       [](Design& d) { d.s.coefficient_bits = 15; },
+      [](Design& d) { d.s.method = Method::block_jacobi_pcg; },
       [](Design& d) { d.s.scaling_step = 2; },
       [](Design& d) { d.s.static_shift = 16; },
       [](Design& d) { d.room.nodes = 1025; },
@@ -139,7 +140,7 @@ TEST(RtlSizes, WhatNoSizeHasIsRefusedByKey) {
          d.a.rows_in_parallel = 1;
          d.a.direction_memory = DirectionMemory::stall;
        }},
-      {"method", [](Design& d) { d.s.method = Method::block_jacobi_pcg; }},
+      {"method", [](Design& d) { d.s.method = Method::chronopoulos_gear; }},
       {"scalar_bits", [](Design& d) { d.s.scalar_bits = 128; }},
       {"overflow", [](Design& d) { d.s.overflow = fixed::Overflow::wrap; }},
       {"coefficient_format",
@@ -163,6 +164,11 @@ TEST(RtlSizes, WhatNoSizeHasIsRefusedByKey) {
          d.s.matrix_bits = 24;
          d.a.pipeline_clocks = 24;
          d.a.package = 4;
+       }},
+      {"division_clocks",
+       [](Design& d) {
+         d.s.method = Method::block_jacobi_pcg;
+         d.s.matrix_bits = 14;
        }},
       {"nodes", [](Design& d) { d.room.nodes = (1 << 14) + 1; }},
       {"partitions", [](Design& d) { d.room.packages = (1 << 14) + 1; }},

@@ -68,7 +68,9 @@ void Cells::set_bits(int index, int low, int length, std::uint32_t value) const 
 
 EngineMemories::EngineMemories(EngineModel& model, const EngineSize& size) : size_(size) {
   for (std::size_t i = 0; i < kInstances.size(); ++i) {
-    if (i == static_cast<std::size_t>(Vector::z) && !size.preconditioner) continue;
+    if (i == static_cast<std::size_t>(Vector::z) && size.preconditioner == Preconditioner::none) {
+      continue;
+    }
     const char* instance = kInstances[i];
     for (int lane = 0; lane < size.nodes_per_clock; ++lane) {
       for (int c = 0; c < kComponents; ++c) {

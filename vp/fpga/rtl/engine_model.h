@@ -104,6 +104,9 @@ class EngineModel {
   EnginePorts ports;
 };
 
+// What an engine has of z and P⁻¹. One with a preconditioner solves without it, too.
+enum class Preconditioner { none, jacobi, blocks };
+
 // The size of an engine that was translated: the parameters of engine.sv.
 struct EngineSize {
   const char* name;
@@ -122,9 +125,11 @@ struct EngineSize {
   int rows_in_parallel;
   int direction_banks;
   accel::DirectionMemory direction_memory;
-  bool preconditioner;
+  Preconditioner preconditioner;
   // All state begins with random values, which differ from seed to seed.
   std::unique_ptr<EngineModel> (*make)(int seed);
+
+  bool preconditions() const { return preconditioner != Preconditioner::none; }
 
   static constexpr int kScalarBits = 64;
   static constexpr int kBlocksOfARow = 64;

@@ -61,10 +61,22 @@ bool serves(const EngineSize& size, const EngineSize& wanted) {
                                return p.serves == Serves::equal ? has == asked : has >= asked;
                              }) &&
          size.direction_memory == wanted.direction_memory &&
-         (size.preconditioner || !wanted.preconditioner);
+         (size.preconditioner == wanted.preconditioner ||
+          wanted.preconditioner == Preconditioner::none);
 }
 
 }  // namespace
+
+Preconditioner preconditioner(fixed::Method method) {
+  switch (method) {
+    case fixed::Method::jacobi_pcg:
+      return Preconditioner::jacobi;
+    case fixed::Method::block_jacobi_pcg:
+      return Preconditioner::blocks;
+    default:
+      return Preconditioner::none;
+  }
+}
 
 EngineSize wanted_size(const accel::Architecture& a, const fixed::Settings& s, const Room& room) {
   // Those of the thesis' size and of the least that is tested: fewer bits save nothing.
@@ -88,7 +100,7 @@ EngineSize wanted_size(const accel::Architecture& a, const fixed::Settings& s, c
   size.rows_in_parallel = a.rows_in_parallel;
   size.direction_banks = a.direction_banks;
   size.direction_memory = a.direction_memory;
-  size.preconditioner = s.preconditioned();
+  size.preconditioner = preconditioner(s.method);
   return size;
 }
 
@@ -105,13 +117,15 @@ std::string parameters(const EngineSize& size) {
     text += std::string(p.name) + " " + std::to_string(size.*p.value) + " ";
   }
   return text + "DirectionMemory " + parameter(size.direction_memory) + " Preconditioner " +
-         (size.preconditioner ? "1" : "0");
+         std::to_string(static_cast<int>(size.preconditioner));
 }
 
 std::string identifier(const EngineSize& size) {
+  constexpr std::array kEndings = {"", "_jacobi", "_blocks"};
   std::string text;
   for (const Parameter& p : kParameters) text += p.letter + std::to_string(size.*p.value);
-  return text + "_" + parameter(size.direction_memory) + (size.preconditioner ? "_jacobi" : "");
+  return text + "_" + parameter(size.direction_memory) +
+         kEndings[static_cast<std::size_t>(size.preconditioner)];
 }
 
 }  // namespace hvp::vp::rtl

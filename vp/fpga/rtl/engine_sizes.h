@@ -28,6 +28,9 @@ void require_buildable(const accel::Architecture& architecture, const fixed::Set
 // The same with the key "nodes" or "partitions".
 void require_buildable(const Room& room);
 
+// What engine.sv has for the method.
+Preconditioner preconditioner(fixed::Method method);
+
 // The size for such an engine, which may not be in this build: it has neither a name nor make().
 EngineSize wanted_size(const accel::Architecture& architecture, const fixed::Settings& settings,
                        const Room& room);

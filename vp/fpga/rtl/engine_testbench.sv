@@ -17,7 +17,7 @@ module engine_testbench
   import engine_types::*;
 #(
     // The size that the run had: `hvp rtl` says it. These are of the thesis'.
-    parameter bit Preconditioner = 1'b1,
+    parameter int Preconditioner = 1,
     parameter int MatrixBits = 12,
     parameter int VectorBits = 16,
     parameter int CoefficientBits = 16,

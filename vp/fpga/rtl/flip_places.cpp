@@ -20,9 +20,8 @@ std::string partition_of(int number) { return indexed("matrix.g_partition", numb
 
 // The memory of one component of a vector in the lane.
 std::string bank_of(int lane, int component, const std::string& vector) {
-  const bool of_preconditioner = vector == "z" || vector == "inverse";
   return "vectors." + indexed("g_lane", lane) + "." + indexed("g_component", component) +
-         ".component.bank." + (of_preconditioner ? "g_preconditioner." : "") + vector + "_memory";
+         ".component.bank." + vector + "_memory";
 }
 
 constexpr const char* kSequencer = "sequence_of_passes";
@@ -59,13 +58,23 @@ void RtlEngine::flip(const engine::Flip& f) {
   };
   switch (f.place) {
     case Place::x:
-    case Place::z:
     case Place::q:
     case Place::previous:
-    case Place::inverse:
       change(bank_of(f.node % size_.nodes_per_clock, f.component, name(f.place)), "cells",
              f.node / size_.nodes_per_clock, f.bit);
       break;
+    case Place::z:
+      change(bank_of(f.node % size_.nodes_per_clock, f.component, "g_preconditioner.z"), "cells",
+             f.node / size_.nodes_per_clock, f.bit);
+      break;
+    case Place::inverse: {
+      // Of its row of a block: the word on the diagonal.
+      const int word = size_.preconditioner == Preconditioner::blocks ? f.component : 0;
+      change(bank_of(f.node % size_.nodes_per_clock, f.component,
+                     "g_preconditioner." + indexed("g_word", word) + ".inverse"),
+             "cells", f.node / size_.nodes_per_clock, f.bit);
+      break;
+    }
     case Place::r:
     case Place::b:
       flip_residual(

@@ -1,5 +1,7 @@
 // What engine.sv is not built for: in one size, and in any.
 #include <algorithm>
+#include <array>
+#include <cstddef>
 #include <string>
 
 #include "models/config/input_error.h"
@@ -85,8 +87,8 @@ void require_buildable(const accel::Architecture& a) {
 
 void require_buildable(const fixed::Settings& s) {
   require_arithmetic(s);
-  require(s.method == fixed::Method::cg || s.method == fixed::Method::jacobi_pcg, "method",
-          "another method", "\"cg\" or \"jacobi-pcg\"");
+  require(s.method == fixed::Method::cg || s.preconditioned(), "method", "another method",
+          "\"cg\", \"jacobi-pcg\" or \"block-jacobi-pcg\"");
   // The host's register of the static shift has five bits.
   constexpr int kLargestShift = 31;
   require(s.rhs_shift() >= 0 && s.rhs_shift() <= kLargestShift, "static_shift",
@@ -98,10 +100,15 @@ void require_buildable(const accel::Architecture& a, const fixed::Settings& s) {
   constexpr int kRanksOfSums = 24;
   const int late = s.preconditioned() ? std::max(0, kRanksOfSums - a.phase_clocks()) : 0;
   int least = (s.scalar_bits - 1) / 8 + s.coefficient_bits + 41 + late;
-  if (s.preconditioned()) {
-    // Three divisions look up a node's row, of a package a clock, and make its words of P⁻¹.
-    const int packages = (3 * EngineSize::kBlocksOfARow + a.package - 1) / a.package;
-    least = std::max(least, (14 + packages + 3 * (s.matrix_bits + 23) + 2) / 3);
+  // So many divisions look up a node's row, of a package a clock, and make its words of P⁻¹.
+  const int look_up = 14 + (3 * EngineSize::kBlocksOfARow + a.package - 1) / a.package;
+  const int quotient = fixed::shortest_inverse_division(s);
+  if (s.method == fixed::Method::jacobi_pcg) {
+    least = std::max(least, (look_up + 3 * quotient + 2) / 3);
+  }
+  if (s.method == fixed::Method::block_jacobi_pcg) {
+    // With blocks their products and rows, too.
+    least = std::max(least, (look_up + 34 + 6 * (quotient - 2) + 5) / 6);
   }
   require_at_least("division_clocks", static_cast<int>(a.division(s)), least);
 }
@@ -129,9 +136,11 @@ void require_fitting(const EngineSize& size, const accel::Architecture& a) {
 }
 
 void require_fitting(const EngineSize& size, const fixed::Settings& s) {
-  const bool jacobi = s.method == fixed::Method::jacobi_pcg;
-  require(s.method == fixed::Method::cg || (jacobi && size.preconditioner), "method",
-          "another method", size.preconditioner ? "\"cg\" or \"jacobi-pcg\"" : "\"cg\"");
+  constexpr std::array kMethods = {"\"cg\"", "\"cg\" or \"jacobi-pcg\"",
+                                   "\"cg\" or \"block-jacobi-pcg\""};
+  require(s.method == fixed::Method::cg ||
+              (s.preconditioned() && preconditioner(s.method) == size.preconditioner),
+          "method", "another method", kMethods[static_cast<std::size_t>(size.preconditioner)]);
   require_equal("matrix_bits", s.matrix_bits, size.matrix_bits);
   require_equal("vector_bits", s.vector_bits, size.vector_bits);
   require_equal("coefficient_bits", s.coefficient_bits, size.coefficient_bits);

@@ -1,4 +1,4 @@
-// The engine of thesis chapter 5, with Jacobi's preconditioner or without: partitions of the matrix, the vector unit, the
+// The engine of thesis chapter 5, with a preconditioner or without: partitions of the matrix, the vector unit, the
 // sequencer with its divider, and the host's port. The words and clocks of engine::CycleEngine are
 // those of this module (docs/rtl.md).
 //
@@ -10,7 +10,7 @@
 module engine
   import engine_types::*;
 #(
-    parameter bit Preconditioner = 1'b0,  // z and P^-1; without them r is as long as x
+    parameter int Preconditioner = 0,  // z and P^-1, 1 of Jacobi, 2 of blocks; without them r is as long as x
     parameter int MatrixBits = 12,
     parameter int VectorBits = 16,
     parameter int CoefficientBits = 16,
@@ -81,11 +81,11 @@ module engine
   localparam int RowBits =
       MatrixBits + VectorBits + (NodeBits > BlockBits ? NodeBits : NodeBits + 1);
   localparam int SumBits = RowBits > ProductBits ? RowBits : ProductBits + 1;
-  localparam int ResidualBits = Preconditioner ? WideBits : VectorBits;
+  localparam int ResidualBits = Preconditioner != 0 ? WideBits : VectorBits;
   localparam int DirectionBits =
       direction_bits(Preconditioner, VectorBits, MatrixBits, ProductShift);
   // z.r is there with rank 23, a pass is over with rank PhaseClocks - 1.
-  localparam int LateSums = Preconditioner && PhaseClocks < 24 ? 24 - PhaseClocks : 0;
+  localparam int LateSums = Preconditioner != 0 && PhaseClocks < 24 ? 24 - PhaseClocks : 0;
   localparam int DotBits = ProductBits + VectorBits + NodeBits + 1;
   localparam int SquareBits = 2 * ResidualBits - 2 + NodeBits + 2;
   localparam int ExponentBits = 22;
@@ -113,8 +113,13 @@ module engine
   // Of a node: what looks its row up, whose packages are a clock each, and three serial divisions.
   localparam int MostPackages = (3 * 2 ** BlockBits + Package - 1) / Package;
   localparam int InverseClocks = 14 + MostPackages + 3 * (MatrixBits + InverseBits + 5);
-  if (Preconditioner && 3 * DivisionClocks < InverseClocks) begin
+  if (Preconditioner == 1 && 3 * DivisionClocks < InverseClocks) begin
     $error("a node's words of the inverse diagonal take longer than three divisions");
+  end
+  // And with blocks their products, six quotients and three rows.
+  localparam int BlockClocks = 14 + MostPackages + 34 + 6 * (3 * MatrixBits + InverseBits + 1);
+  if (Preconditioner == 2 && 6 * DivisionClocks < BlockClocks) begin
+    $error("a node's words of the inverse block take longer than six divisions");
   end
 
   // ---- Settings.
@@ -166,7 +171,8 @@ module engine
   wire beyond_d, beyond_q, beyond_r;
   wire done;
   wire signed [DotBits-1:0] dot;
-  wire [SquareBits-1:0] squares, z_dot_r;
+  wire [SquareBits-1:0] squares;
+  wire signed [SquareBits:0] z_dot_r;
   wire [ResidualBits-2:0] largest_r, largest_z;
   wire [VectorBits-2:0] largest_d;
   wire [ProductBits-2:0] largest_q;
@@ -174,7 +180,7 @@ module engine
   wire state_t state;
   wire signed [ExponentBits-1:0] alpha_shift, change_shift, beta_shift, r_shift, z_shift, d_shift;
   wire signed [ScalarBits-1:0] z_r_word, d_q_word;
-  wire wide = Preconditioner && preconditions;
+  wire wide = Preconditioner != 0 && preconditions;
   wire [5:0] inverse_shift;
   logic has_previous;
   wire host_x = host_write && host_space == SpaceX;
@@ -288,8 +294,7 @@ module engine
   wire inverts, inverse_write;
   wire [NodeBits-1:0] inverse_node;
   wire [1:0] inverse_component;
-  wire [ResidualBits-2:0] inverse_word;
-  wire [WideBits-2:0] inverse_new;
+  wire [inverse_words(Preconditioner)-1:0][inverse_bits(Preconditioner)-1:0] inverse_word, inverse_new;
   vector_unit #(
       .Preconditioner(Preconditioner),
       .Lanes(Lanes),
@@ -354,7 +359,7 @@ module engine
       .inverse_node,
       .inverse_component,
       .inverse_write,
-      .inverse_new(inverse_new[ResidualBits-2:0]),
+      .inverse_new,
       .inverse_word,
       .product,
       .finished(rows_finished),
@@ -412,7 +417,7 @@ module engine
       .inverse_component,
       .inverse_write,
       .inverse_new,
-      .inverse_word((WideBits - 1)'(inverse_word)),
+      .inverse_word,
       .inverse_shift,
       .product,
       .start(start && pass == Product),
@@ -431,7 +436,7 @@ module engine
       .room_waits
   );
 
-  wire unused = &{1'b0, alpha_shift, preconditions, inverse_new};
+  wire unused = &{1'b0, alpha_shift, preconditions};
 
 endmodule
 

@@ -63,6 +63,14 @@ package engine_types;
   localparam int InverseBits = 18;
   /* verilator lint_on UNUSEDPARAM */
 
+  // A row of P^-1: of the inverse diagonal one word, of inverse blocks three with a sign.
+  function automatic int inverse_words(input int preconditioner);
+    return preconditioner == 2 ? 3 : 1;
+  endfunction
+  function automatic int inverse_bits(input int preconditioner);
+    return preconditioner == 2 ? WideBits : WideBits - 1;
+  endfunction
+
   // Places behind the point of the words that align a product with a coefficient, whose mantissa
   // has its highest bit: one that is shifted to the left by more is beyond every word.
   function automatic int below_products(input int word_bits, input int coefficient_bits);
@@ -71,12 +79,14 @@ package engine_types;
 
   // The bits of z where it is aligned to be d. Without dynamic scaling it may be shifted to the left:
   // by q's dropped bits and P^-1's longest word, less the bits by which P^-1 is scaled.
-  function automatic int direction_bits(input bit preconditioner, input int vector_bits,
+  // A word of the inverse diagonal is not longer than that scale, a row of an inverse block is.
+  function automatic int direction_bits(input int preconditioner, input int vector_bits,
                                         input int matrix_bits, input int product_shift);
     automatic int scale = matrix_bits + InverseBits;
-    automatic int longest = scale + 1 < WideBits - 1 ? scale + 1 : WideBits - 1;
+    automatic int longest = preconditioner == 1 && scale + 1 < WideBits - 1 ? scale + 1
+                                                                            : WideBits - 1;
     automatic int left = product_shift + longest - scale;
-    if (!preconditioner) return vector_bits;
+    if (preconditioner == 0) return vector_bits;
     return WideBits + (left > 0 ? left : 0);
   endfunction
 

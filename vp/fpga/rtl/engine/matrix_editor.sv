@@ -3,7 +3,7 @@
 //
 // A package goes through five ranks: its memories are read (two), its nodes are looked up among the
 // contacts, what becomes of them is decided, its words are changed, and it is written back. An order takes the clocks of its visits, one a package, and PhaseClocks more. Each tells
-// the diagonal of the node's row, which `look` only reads.
+// the node's own block, which `look` only reads.
 `default_nettype none
 
 module matrix_editor #(
@@ -41,7 +41,7 @@ module matrix_editor #(
     output logic busy,
     output wire over,          // with the next edge it is busy no more
     output wire looked,        // the order to look is over
-    output logic [2:0][MatrixBits-1:0] diagonal_words,
+    output logic [2:0][2:0][MatrixBits-1:0] own_block,  // rows of columns
     // The partitions' memories.
     output wire [PackageBits-1:0] read_package,
     input wire [Partitions-1:0][2:0][Package-1:0][MatrixBits-1:0] words,
@@ -263,7 +263,7 @@ module matrix_editor #(
     write_package <= package4;
   end
 
-  // ---- The diagonal of the own row, as its words are behind rank 4.
+  // ---- The own block, as its words are behind rank 4.
   logic valid5;
   logic [Package-1:0] on_diagonal5;  // columns of the node's own block
   logic [1:0] phase5;
@@ -283,9 +283,11 @@ module matrix_editor #(
   always_ff @(posedge clock) begin
     for (int r = 0; r < 3; ++r) begin
       for (int c = 0; c < Package; ++c) begin
-        if (on_diagonal5[c] && 2'(r) == (phase5 == 2'd0 ? 2'(c % 3) : phase5 == 2'd1
-                                         ? 2'((c + 1) % 3) : 2'((c + 2) % 3))) begin
-          diagonal_words[r] <= new_words[r][c];
+        for (int k = 0; k < 3; ++k) begin
+          if (on_diagonal5[c] && 2'(k) == (phase5 == 2'd0 ? 2'(c % 3) : phase5 == 2'd1
+                                           ? 2'((c + 1) % 3) : 2'((c + 2) % 3))) begin
+            own_block[r][k] <= new_words[r][c];
+          end
         end
       end
     end

@@ -8,7 +8,7 @@
 module matrix_partitions
   import engine_types::*;
 #(
-    parameter bit Preconditioner = 1'b0,
+    parameter int Preconditioner = 0,  // of Jacobi, of blocks
     parameter int Package = 8,
     parameter int MatrixBits = 12,
     parameter int VectorBits = 16,
@@ -24,7 +24,9 @@ module matrix_partitions
     parameter int DirectionBanks = 1,
     parameter int DirectionMemory = 0,
     parameter int DirectionAccesses = 4,
-    parameter int DivisionClocks = 68
+    parameter int DivisionClocks = 68,
+    localparam int InverseWords = inverse_words(Preconditioner),
+    localparam int InverseWidth = inverse_bits(Preconditioner)
 ) (
     input wire clock,
 `ifdef ECP5
@@ -49,8 +51,8 @@ module matrix_partitions
     output wire [NodeBits-1:0] inverse_node,
     output wire [1:0] inverse_component,
     output wire inverse_write,
-    output wire [WideBits-2:0] inverse_new,
-    input wire [WideBits-2:0] inverse_word,
+    output wire [InverseWords-1:0][InverseWidth-1:0] inverse_new,
+    input wire [InverseWords-1:0][InverseWidth-1:0] inverse_word,
     output wire [5:0] inverse_shift,
     // The sequencer and the vector unit.
     input wire product,
@@ -100,8 +102,33 @@ module matrix_partitions
   wire [2:0][Package-1:0][MatrixBits-1:0] edited_words;
   // ---- P^-1.
   wire edits, edited, looks_up, look, looked;
-  wire [2:0][MatrixBits-1:0] diagonal_words;
-  if (Preconditioner) begin : g_preconditioner
+  wire [2:0][2:0][MatrixBits-1:0] own_block;
+  if (Preconditioner == 2) begin : g_blocks
+    block_inverse_maker #(
+        .MatrixBits(MatrixBits),
+        .NodeBits(NodeBits),
+        .PhaseClocks(PhaseClocks),
+        .DivisionClocks(DivisionClocks)
+    ) maker (
+        .clock,
+        .reset,
+        .nodes,
+        .all(invert),
+        .one(edited && preconditions),
+        .edited_node,
+        .busy(inverts),
+        .inverts_all(looks_up),
+        .look,
+        .node(inverse_node),
+        .looked,
+        .own_block,
+        .component(inverse_component),
+        .write(inverse_write),
+        .words(inverse_new),
+        .old_words(inverse_word),
+        .shift(inverse_shift)
+    );
+  end else if (Preconditioner == 1) begin : g_preconditioner
     inverse_maker #(
         .MatrixBits(MatrixBits),
         .NodeBits(NodeBits),
@@ -119,13 +146,14 @@ module matrix_partitions
         .look,
         .node(inverse_node),
         .looked,
-        .diagonal(diagonal_words),
+        .diagonal({own_block[2][2], own_block[1][1], own_block[0][0]}),
         .component(inverse_component),
         .write(inverse_write),
         .word(inverse_new),
         .old_word(inverse_word),
         .shift(inverse_shift)
     );
+    wire unused_words = &{1'b0, own_block};
   end else begin : g_none
     assign inverts = 1'b0;
     assign looks_up = 1'b0;
@@ -135,7 +163,7 @@ module matrix_partitions
     assign inverse_write = 1'b0;
     assign inverse_new = '0;
     assign inverse_shift = '0;
-    wire unused_preconditioner = &{1'b0, nodes, preconditions, invert, edited, looked, diagonal_words,
+    wire unused_preconditioner = &{1'b0, nodes, preconditions, invert, edited, looked, own_block,
                                    inverse_word};
   end
   assign editing = edits || inverts;
@@ -170,7 +198,7 @@ module matrix_partitions
       .busy(edits),
       .over(edited),
       .looked,
-      .diagonal_words,
+      .own_block,
       .read_package,
       .words(matrix_words),
       .index(index_words),

@@ -3,14 +3,14 @@
 //
 // It acts at the clock in which a unit says that it is done: the next unit begins with the clock
 // after. A division takes DivisionClocks from the clock in which its operands are there to the one
-// in which the next pass is ordered: the divider and then the scaler work within them. Of a pass that
+// in which the next pass is ordered: the divider and then the scaler work fits_scalar them. Of a pass that
 // makes z, z.r and its size may be LateSums clocks behind its end; they work that much later.
 `default_nettype none
 
 module sequencer
   import engine_types::*;
 #(
-    parameter bit Preconditioner = 1'b0,
+    parameter int Preconditioner = 0,  // of Jacobi, of blocks
     parameter int MatrixBits = 12,
     parameter int VectorBits = 16,
     parameter int ResidualBits = 16,
@@ -69,7 +69,7 @@ module sequencer
     input wire done,
     input wire signed [DotBits-1:0] dot,
     input wire [SquareBits-1:0] squares,
-    input wire [SquareBits-1:0] z_dot_r,
+    input wire signed [SquareBits:0] z_dot_r,
     input wire [ResidualBits-2:0] largest_r,
     input wire [ResidualBits-2:0] largest_z,
     input wire [VectorBits-2:0] largest_d,
@@ -126,16 +126,22 @@ module sequencer
     assign overflows = 1'b0;
     assign scalar = S'(dot);
   end
-  // P^-1 has no negative words, so that no term of z.r is negative.
-  wire [S-2:0] new_z_r;
+  // The inverse diagonal has no negative words, so that z.r is negative with blocks alone: rounded, one
+  // that is nearly singular need not be positive definite.
+  logic signed [S-1:0] new_z_r;
   wire z_r_overflows;
   if (SquareBits > S - 1) begin : g_clamped_z_r
-    assign z_r_overflows = |z_dot_r[SquareBits-1:S-1];
-    assign new_z_r = z_r_overflows ? '1 : z_dot_r[S-2:0];
+    localparam logic signed [S-1:0] Limit = {1'b0, {(S - 1) {1'b1}}};
+    wire z_r_negative = z_dot_r[SquareBits];
+    wire fits_scalar = z_r_negative ? &z_dot_r[SquareBits-1:S-1] && |z_dot_r[S-2:0]
+                               : ~|z_dot_r[SquareBits-1:S-1];
+    assign z_r_overflows = !fits_scalar;
+    assign new_z_r = fits_scalar ? z_dot_r[S-1:0] : z_r_negative ? -Limit : Limit;
   end else begin : g_exact_z_r
     assign z_r_overflows = 1'b0;
-    assign new_z_r = (S - 1)'(z_dot_r);
+    assign new_z_r = S'(z_dot_r);
   end
+  wire no_z_r = new_z_r <= 0;
 
   // ---- Shifts of a pass. What is shifted to the right by more than 127 bits is zero.
   logic signed [E-1:0] d_shift, q_shift, r_shift;
@@ -176,7 +182,7 @@ module sequencer
       .division_rounding,
       .dynamic_scaling,
       .scaling_down,
-      .wide(Preconditioner && preconditions),
+      .wide(Preconditioner != 0 && preconditions),
       .target,
       .threshold,
       .step,
@@ -205,21 +211,21 @@ module sequencer
   );
 
   // ---- Exponents that follow from a pass' end.
-  if (Preconditioner) begin : g_z
+  if (Preconditioner != 0) begin : g_z
     localparam logic signed [E-1:0] Scale = E'(MatrixBits + InverseBits);
     assign z_exponent = preconditions ? r_exponent + Scale - E'(inverse_shift) : r_exponent;
   end else begin : g_z_is_r
     assign z_exponent = r_exponent;
     wire unused = &{1'b0, preconditions, inverse_shift};
   end
-  wire [4:0] residual_target = Preconditioner && preconditions ? 5'(WideTarget) : target;
+  wire [4:0] residual_target = Preconditioner != 0 && preconditions ? 5'(WideTarget) : target;
   wire signed [E-1:0] difference_up = E'(residual_target) - length(widest);
   wire signed [E-1:0] residual_exponent =
       dynamic_scaling && widest != '0 ? difference_up : -E'(static_shift);
   // The first d is in units of x where nothing scales z.
   wire signed [E-1:0] first_up =
       dynamic_scaling ? E'(target) - length(DifferenceBits'(largest_z))
-                      : Preconditioner && preconditions ? -z_exponent : '0;
+                      : Preconditioner != 0 && preconditions ? -z_exponent : '0;
   // Only used where a replacement does not take the place of the scaling.
   wire signed [E-1:0] r_up = replaced ? '0 : up;
   wire signed [E-1:0] d_up = holds_division ? '0 : up;
@@ -442,7 +448,7 @@ module sequencer
   end
 
   task automatic take_first_residual();
-    z_r <= {1'b0, new_z_r};
+    z_r <= new_z_r;
     scalar_overflow <= scalar_overflow || z_r_overflows;
     scalar_exponent <= r_exponent + z_exponent;
     d_exponent <= z_exponent + first_up;
@@ -453,11 +459,11 @@ module sequencer
   task automatic take_residual();
     divides <= 1'b1;
     denominator <= hold ? (S - 1)'(1) : z_r[S-2:0];
-    numerator <= new_z_r;
-    holds_division <= hold || new_z_r == '0;
-    clears_beta <= !hold && new_z_r == '0;
+    numerator <= new_z_r[S-2:0];
+    holds_division <= hold || no_z_r;
+    clears_beta <= !hold && no_z_r;
     if (!hold) begin
-      z_r <= {1'b0, new_z_r};
+      z_r <= new_z_r;
       scalar_overflow <= scalar_overflow || z_r_overflows;
       scalar_exponent <= r_exponent + z_exponent;
       scalar_exponent_before <= scalar_exponent;

@@ -5,12 +5,16 @@
 // reads x while no pass runs.
 `default_nettype none
 
-module vector_bank #(
-    parameter bit Preconditioner = 1'b0,
+module vector_bank
+  import engine_types::*;
+#(
+    parameter int Preconditioner = 0,  // of Jacobi, of blocks
     parameter int VectorBits = 16,
     parameter int ResidualBits = 16,
     parameter int ProductBits = 32,
-    parameter int AddressBits = 9
+    parameter int AddressBits = 9,
+    localparam int InverseWords = inverse_words(Preconditioner),
+    localparam int InverseWidth = inverse_bits(Preconditioner)
 ) (
     input wire clock,
     input wire [AddressBits-1:0] read_address,
@@ -35,10 +39,10 @@ module vector_bank #(
     input wire [AddressBits-1:0] z_address,
     input wire [ResidualBits-1:0] z_new,
     input wire [AddressBits-1:0] inverse_read_address,
-    output wire [ResidualBits-2:0] inverse,
+    output wire [InverseWords-1:0][InverseWidth-1:0] inverse,
     input wire inverse_write,
     input wire [AddressBits-1:0] inverse_address,
-    input wire [ResidualBits-2:0] inverse_new,
+    input wire [InverseWords-1:0][InverseWidth-1:0] inverse_new,
     input wire host_x_write,
     input wire host_b_write,
     input wire [AddressBits-1:0] host_address,
@@ -100,7 +104,7 @@ module vector_bank #(
       .read_address,
       .word(q)
   );
-  if (Preconditioner) begin : g_preconditioner
+  if (Preconditioner != 0) begin : g_preconditioner
     block_memory #(
         .Width(ResidualBits),
         .AddressBits(AddressBits)
@@ -112,17 +116,19 @@ module vector_bank #(
         .read_address,
         .word(z)
     );
-    block_memory #(
-        .Width(ResidualBits - 1),
-        .AddressBits(AddressBits)
-    ) inverse_memory (
-        .clock,
-        .write(inverse_write),
-        .write_address(inverse_address),
-        .write_word(inverse_new),
-        .read_address(inverse_read_address),
-        .word(inverse)
-    );
+    for (genvar k = 0; k < InverseWords; ++k) begin : g_word
+      block_memory #(
+          .Width(InverseWidth),
+          .AddressBits(AddressBits)
+      ) inverse_memory (
+          .clock,
+          .write(inverse_write),
+          .write_address(inverse_address),
+          .write_word(inverse_new[k]),
+          .read_address(inverse_read_address),
+          .word(inverse[k])
+      );
+    end
   end else begin : g_z_is_r
     assign z = r;
     assign inverse = '0;

@@ -6,7 +6,8 @@
 module vector_component
   import engine_types::*;
 #(
-    parameter bit Preconditioner = 1'b0,
+    parameter int Preconditioner = 0,  // of Jacobi, of blocks
+    parameter int Component = 0,
     parameter int VectorBits = 16,
     parameter int ResidualBits = 16,
     parameter int DirectionBits = 16,
@@ -17,6 +18,8 @@ module vector_component
     parameter int SumBits = 38,
     parameter int AddressBits = 9,
     parameter int PhaseClocks = 20,
+    localparam int InverseWords = inverse_words(Preconditioner),
+    localparam int InverseWidth = inverse_bits(Preconditioner),
     localparam int DifferenceBits =
         difference_bits(VectorBits, StaticBits, ProductBits, ProductShift)
 ) (
@@ -49,10 +52,10 @@ module vector_component
     input wire z_write,  // rank 18
     input wire [AddressBits-1:0] z_address,
     input wire [AddressBits-1:0] inverse_read_address,
-    output wire [ResidualBits-2:0] inverse,
+    output wire [InverseWords-1:0][InverseWidth-1:0] inverse,
     input wire inverse_write,
     input wire [AddressBits-1:0] inverse_address,
-    input wire [ResidualBits-2:0] inverse_new,
+    input wire [InverseWords-1:0][InverseWidth-1:0] inverse_new,
     input wire host_x_write,
     input wire host_b_write,
     input wire [AddressBits-1:0] host_address,
@@ -69,11 +72,12 @@ module vector_component
     output wire [ProductBits+VectorBits-1:0] q_d6,
     output wire [VectorBits-1:0] sum_word11,
     output wire [ResidualBits-1:0] r_word11,
+    input wire [2:0][ResidualBits-1:0] node_r11,  // of the node's components
     output wire sum_clamped11,
     output wire r_clamped11,
     output wire [2*ResidualBits-3:0] square,  // rank 14, with a preconditioner 15
     output wire [ResidualBits-2:0] z_size18,
-    output wire [2*ResidualBits-3:0] z_r21,
+    output wire signed [2*ResidualBits-2:0] z_r21,
     output logic [VectorBits-1:0] direction_new  // with the edge that writes the others
 );
 
@@ -171,7 +175,7 @@ module vector_component
       .x(x),
       .previous(previous),
       .d(d),
-      .r(Preconditioner && wide && makes_d ? z : r),
+      .r(Preconditioner != 0 && wide && makes_d ? z : r),
       .b(b),
       .q(pass == Product ? q2 : q),
       .b_clamped(b_clamped3),
@@ -184,7 +188,23 @@ module vector_component
       .r_clamped(r_clamped11),
       .square
   );
-  if (Preconditioner) begin : g_preconditioner
+  if (Preconditioner == 2) begin : g_blocks
+    block_preconditioner_lane #(
+        .Bits(R),
+        .Component(Component)
+    ) preconditioner (
+        .clock,
+        .rounding,
+        .shift(inverse_shift),
+        .r(node_r11),
+        .inverse,
+        .z(z18),
+        .z_size(z_size18),
+        .z_r(z_r21)
+    );
+  end else if (Preconditioner == 1) begin : g_preconditioner
+    wire [2*R-3:0] z_r;
+    assign z_r21 = {1'b0, z_r};
     preconditioner_lane #(
         .Bits(R)
     ) preconditioner (
@@ -192,16 +212,17 @@ module vector_component
         .rounding,
         .shift(inverse_shift),
         .r(r_word11),
-        .inverse,
+        .inverse(inverse[0]),
         .z(z18),
         .z_size(z_size18),
-        .z_r(z_r21)
+        .z_r
     );
+    wire unused = &{1'b0, node_r11};
   end else begin : g_z_is_r
     assign z18 = '0;
     assign z_size18 = '0;
     assign z_r21 = '0;
-    wire unused = &{1'b0, inverse_shift};
+    wire unused = &{1'b0, inverse_shift, node_r11};
   end
 
   logic [2*V+R-1:0] late[12:Written-1];

@@ -7,7 +7,7 @@
 module vector_sums
   import engine_types::*;
 #(
-    parameter bit Preconditioner = 1'b0,
+    parameter int Preconditioner = 0,  // of Jacobi, of blocks
     parameter int Lanes = 2,
     parameter int VectorBits = 16,
     parameter int ResidualBits = 16,
@@ -47,10 +47,10 @@ module vector_sums
     input wire [Lanes-1:0][2:0] r_clamped11,
     input wire [Lanes-1:0][2:0][2*ResidualBits-3:0] square,  // of r, or of a row's b
     input wire [Lanes-1:0][2:0][ResidualBits-2:0] z_size18,
-    input wire [Lanes-1:0][2:0][2*ResidualBits-3:0] z_r21,
+    input wire [Lanes-1:0][2:0][2*ResidualBits-2:0] z_r21,  // signed: of blocks a term can be negative
     output logic signed [DotBits-1:0] dot,   // d.q of a product
     output logic [SquareBits-1:0] squares,   // b.b of a product, or r.r
-    output wire [SquareBits-1:0] z_dot_r,
+    output wire signed [SquareBits:0] z_dot_r,
     output wire [ResidualBits-2:0] largest_r,
     output wire [ResidualBits-2:0] largest_z,
     output wire [VectorBits-2:0] largest_d,
@@ -190,18 +190,18 @@ module vector_sums
   end
 
   // ---- Of z, whose ranks go on beyond the end of the pass.
-  if (Preconditioner) begin : g_preconditioner
+  if (Preconditioner != 0) begin : g_preconditioner
     wire [R-2:0] largest;
     logic [Words-1:0] has_z18;
-    logic [2*R+2:0] z_r_sum, z_r_sum_late;
-    logic [SquareBits-1:0] sum;
+    logic signed [2*R+2:0] z_r_sum, z_r_sum_late;
+    logic signed [SquareBits:0] sum;
     wire clear = start && (pass == Residual || pass == Update);
     always_comb begin
       z_r_sum = '0;
       for (int l = 0; l < Lanes; ++l) begin
         for (int c = 0; c < 3; ++c) begin
           has_z18[3*l+c] = nodes18[l];
-          z_r_sum = z_r_sum + (nodes21[l] ? (2 * R + 3)'(z_r21[l][c]) : '0);
+          z_r_sum = z_r_sum + (2 * R + 3)'($signed(nodes21[l] ? z_r21[l][c] : '0));
         end
       end
     end
@@ -217,17 +217,17 @@ module vector_sums
     );
     always_ff @(posedge clock) begin
       z_r_sum_late <= z_r_sum;
-      sum <= sum + SquareBits'(z_r_sum_late);
+      sum <= sum + (SquareBits + 1)'(z_r_sum_late);
       if (clear) begin
         z_r_sum_late <= '0;
         sum <= '0;
       end
     end
     assign largest_z = wide ? largest : largest_r;
-    assign z_dot_r = wide ? sum : squares;
+    assign z_dot_r = wide ? sum : {1'b0, squares};
   end else begin : g_z_is_r
     assign largest_z = largest_r;
-    assign z_dot_r = squares;
+    assign z_dot_r = {1'b0, squares};
     wire unused = &{1'b0, wide, nodes18, nodes21, z_size18, z_r21};
   end
 

@@ -11,7 +11,7 @@
 module vector_unit
   import engine_types::*;
 #(
-    parameter bit Preconditioner = 1'b0,
+    parameter int Preconditioner = 0,  // of Jacobi, of blocks
     parameter int Lanes = 2,
     parameter int Partitions = 5,
     parameter int VectorBits = 16,
@@ -30,6 +30,8 @@ module vector_unit
     parameter int DirectionBanks = 1,
     parameter int DirectionAccesses = 4,
     parameter int DirectionWriteAccesses = 1,
+    localparam int InverseWords = inverse_words(Preconditioner),
+    localparam int InverseWidth = inverse_bits(Preconditioner),
     localparam int DifferenceBits =
         difference_bits(VectorBits, StaticBits, ProductBits, ProductShift),
     localparam int BankBits = Lanes > 1 ? $clog2(Lanes) : 0,
@@ -70,7 +72,7 @@ module vector_unit
     output logic done,
     output wire signed [DotBits-1:0] dot,
     output wire [SquareBits-1:0] squares,
-    output wire [SquareBits-1:0] z_dot_r,
+    output wire signed [SquareBits:0] z_dot_r,
     output wire [ResidualBits-2:0] largest_r,
     output wire [ResidualBits-2:0] largest_z,
     output wire [VectorBits-2:0] largest_d,
@@ -82,8 +84,8 @@ module vector_unit
     input wire [NodeBits-1:0] inverse_node,
     input wire [1:0] inverse_component,
     input wire inverse_write,
-    input wire [ResidualBits-2:0] inverse_new,
-    output wire [ResidualBits-2:0] inverse_word,
+    input wire [InverseWords-1:0][InverseWidth-1:0] inverse_new,
+    output wire [InverseWords-1:0][InverseWidth-1:0] inverse_word,
     // The partitions.
     output wire product,  // a product runs
     input wire [Partitions-1:0][QueueBits:0] finished,
@@ -101,7 +103,7 @@ module vector_unit
   localparam int V = VectorBits;
   localparam int R = ResidualBits;
   localparam int Q = ProductBits;
-  localparam int Square = Preconditioner ? 15 : 14;  // ranks
+  localparam int Square = Preconditioner != 0 ? 15 : 14;  // ranks
   localparam int Last = PhaseClocks < 20 ? 18 : PhaseClocks - 2;
   localparam int Written = PhaseClocks - 5;
   localparam int VectorClocks = PhaseClocks - 9;
@@ -207,8 +209,10 @@ module vector_unit
   wire [Lanes-1:0][2:0][Q+V-1:0] q_d6;
   wire [Lanes-1:0][2:0][V-1:0] sum_word11;
   wire [Lanes-1:0][2:0][R-1:0] r_word11;
-  wire [Lanes-1:0][2:0][2*R-3:0] square, z_r21;
-  wire [Lanes-1:0][2:0][R-2:0] z_size18, inverse;
+  wire [Lanes-1:0][2:0][2*R-3:0] square;
+  wire [Lanes-1:0][2:0][2*R-2:0] z_r21;
+  wire [Lanes-1:0][2:0][R-2:0] z_size18;
+  wire [Lanes-1:0][2:0][InverseWords-1:0][InverseWidth-1:0] inverse;
   wire [Lanes-1:0][2:0][V-1:0] x_read;
 
   for (genvar l = 0; l < Lanes; ++l) begin : g_lane
@@ -221,6 +225,7 @@ module vector_unit
       wire host_component_here = host_here && host_component == 2'(c);
       vector_component #(
           .Preconditioner(Preconditioner),
+          .Component(c),
           .VectorBits(V),
           .ResidualBits(R),
           .DirectionBits(DirectionBits),
@@ -278,6 +283,7 @@ module vector_unit
           .q_d6(q_d6[l][c]),
           .sum_word11(sum_word11[l][c]),
           .r_word11(r_word11[l][c]),
+          .node_r11(r_word11[l]),
           .sum_clamped11(sum_clamped11[l][c]),
           .r_clamped11(r_clamped11[l][c]),
           .square(square[l][c]),
@@ -293,7 +299,7 @@ module vector_unit
 
   // The host's word of x.
   logic [V-1:0] selected;
-  logic [R-2:0] selected_inverse;
+  logic [InverseWords-1:0][InverseWidth-1:0] selected_inverse;
   always_comb begin
     selected = '0;
     selected_inverse = '0;
