@@ -53,7 +53,7 @@ class Block:
         if self.name == "partition":
             return engine.parameters["Partitions"]
         if self.name == "inverse maker":
-            return engine.parameters["Preconditioner"]
+            return int(engine.parameters["Preconditioner"] == 1)
         return 3 * engine.parameters["Lanes"] if self.name == "lane" else 1
 
 

@@ -104,7 +104,7 @@ def main() -> int:
         return 0
     engine = ENGINES[0]
     partition = BLOCKS[0]
-    complete = next(e for e in ENGINES if e.parameters["Preconditioner"])
+    complete = max(ENGINES, key=lambda each: (each.parameters["Preconditioner"], each.calibrates))
     mistakes = mistakes_of_memories(complete)
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)

@@ -49,7 +49,9 @@ SynthesisedEngine engine_of(const files::CsvTable& row) {
   w.matrix_bits = number(row, "MatrixBits");
   w.vector_bits = number(row, "VectorBits");
   w.coefficient_bits = number(row, "CoefficientBits");
-  w.method = number(row, "Preconditioner") != 0 ? fixed::Method::jacobi_pcg : fixed::Method::cg;
+  constexpr fixed::Method kMethods[] = {fixed::Method::cg, fixed::Method::jacobi_pcg,
+                                        fixed::Method::block_jacobi_pcg};
+  w.method = kMethods[std::clamp(number(row, "Preconditioner"), 0, 2)];
   w.extrapolated = true;
   w.stop_test = true;
   e.size.nodes = 1 << number(row, "NodeBits");

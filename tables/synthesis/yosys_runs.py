@@ -63,10 +63,7 @@ def yosys(commands: list[str], folder: Path) -> str:
 def read_engine(engine: Engine, folder: Path) -> None:
     """A file NAME.il a block, without what depends on lines and comments."""
     files = sorted(SOURCES.glob("*.sv"), key=lambda f: (f.name != "engine_types.sv", f.name))
-    parameters = " ".join(
-        f"-G {name}={value}" if name != "Preconditioner" else f"-G {name}=1'b{value}"
-        for name, value in engine.parameters.items()
-    )
+    parameters = " ".join(f"-G {name}={value}" for name, value in engine.parameters.items())
     commands = [
         f"read_slang --keep-hierarchy --blackboxed-module DP16KD --top engine {parameters}"
         f" -D SYNTHESIS -D ECP5 {BLOCK_RAM} " + " ".join(str(f) for f in files),
