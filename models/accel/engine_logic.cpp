@@ -200,8 +200,13 @@ class EngineLogic {
                 40};
   }
 
-  // inverse_maker.sv: a serial division, and counters of rows by the length of their word.
+  // inverse_maker.sv: a serial division, and counters of rows by the length of their word;
+  // block_inverse_maker.sv has cofactors and six quotients beside them. Both are linear in the
+  // words of the matrix and the nodes' numbers, as syntheses of each of three sizes say.
   UnitLogic inverse() const {
+    if (w_.method == fixed::Method::block_jacobi_pcg) {
+      return {81 * w_.matrix_bits + 11 * e_.node + 769, 53 * w_.matrix_bits + 2 * e_.node + 429};
+    }
     return {13 * w_.matrix_bits + 244, 4 * w_.matrix_bits + 2 * e_.node + 110};
   }
 

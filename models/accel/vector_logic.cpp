@@ -38,16 +38,31 @@ int further_terms(const WordLengths& w) {
   return 0;
 }
 
-// z = P⁻¹·r and z·r; a row of P⁻¹'s block has three words.
+// A row of P⁻¹'s block times r: three products of four parts each, with signs, which are summed
+// part by part (block_preconditioner_lane.sv).
+UnitLogic block_row() {
+  constexpr int kParts = 3 * 4;
+  constexpr int kPartBits = kProductBits + 3;
+  constexpr int kSumBits = 2 * kProductBits;
+  UnitLogic all;
+  all.registers += 3 * kMagnitude + 9 + kParts * kMagnitude + 3 * kPartBits + kSumBits + 6;
+  all.tables += (2 * kParts + kParts - 3) * kPartBits + 6 * kProductBits + 6 * kSumBits;
+  return all;
+}
+
+// z = P⁻¹·r and z·r, with what waits beside them.
 UnitLogic preconditioner(int inputs, const WordLengths& w, const EngineWords& e) {
   UnitLogic all;
   if (!w.preconditioned()) return all;
-  const int words = w.method == Method::block_jacobi_pcg ? 3 : 1;
-  add(all, wide_product(kMagnitude), words + 1);
+  const bool blocks = w.method == Method::block_jacobi_pcg;
+  add(all, blocks ? block_row() : wide_product(kMagnitude));
   add(all, aligner(2 * kMagnitude, kProductBits, kShiftBits - 1, inputs));
-  all.tables += 5 * kProductBits + (words - 1) * 2 * kProductBits;
-  all.registers += 7 * kMagnitude + 7;
-  if (e.lane_address <= kShallowBits) all.registers += kProductBits + words * kMagnitude;
+  add(all, wide_product(kMagnitude));
+  all.tables += 5 * kProductBits;
+  all.registers += (blocks ? 6 : 7) * kMagnitude + 7;
+  if (e.lane_address <= kShallowBits) {
+    all.registers += kProductBits + (blocks ? 3 * kProductBits : kMagnitude);
+  }
   return all;
 }
 

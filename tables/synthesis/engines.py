@@ -40,6 +40,10 @@ def _engines() -> tuple[Engine, ...]:
 ENGINES: Final = _engines()
 
 
+# Of P^-1, by the number of the preconditioner.
+MAKERS: Final = ("inverse_maker", "block_inverse_maker")
+
+
 @dataclass(frozen=True)
 class Block:
     """A module of the engine with what it has inside, taken out of it."""
@@ -52,8 +56,8 @@ class Block:
         """How many of them the engine has."""
         if self.name == "partition":
             return engine.parameters["Partitions"]
-        if self.name == "inverse maker":
-            return int(engine.parameters["Preconditioner"] == 1)
+        if self.module in MAKERS:
+            return int(engine.parameters["Preconditioner"] == MAKERS.index(self.module) + 1)
         return 3 * engine.parameters["Lanes"] if self.name == "lane" else 1
 
 
@@ -71,6 +75,7 @@ BLOCKS: Final = (
     Block("sequencer", "sequencer", _SEQUENCER),
     Block("editor", "matrix_editor", "engine.matrix.editor"),
     Block("inverse maker", "inverse_maker", "engine.matrix.g_preconditioner.maker"),
+    Block("inverse maker", "block_inverse_maker", "engine.matrix.g_blocks.maker"),
     Block("settings", "engine_settings", "engine.settings"),
 )
 
