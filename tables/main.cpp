@@ -35,6 +35,8 @@ int run(int argc, char** argv) {
       ->check(CLI::Range(1, 100'000));
   const CLI::App* pc =
       app.add_subcommand("pc", "Table 6.3 with this machine's row, measured in about a second");
+  const CLI::App* synthesis =
+      app.add_subcommand("synthesis", "what a synthesis makes of the engine: measured.csv");
   try {
     app.parse(argc, argv);
   } catch (const CLI::Success& e) {
@@ -55,6 +57,9 @@ int run(int argc, char** argv) {
   if (elements->parsed()) print(hvp::tables::elements_page());
   if (partitions->parsed()) print(hvp::tables::partitions_page());
   if (pc->parsed()) print(hvp::tables::pc_table());
+  if (synthesis->parsed()) {
+    print(hvp::tables::synthesis_page(HVP_SOURCE_DIR "/tables/synthesis"));
+  }
   if (hard->parsed()) print(hvp::tables::hard_cases_page());
   if (std::fflush(stdout) != 0 || std::ferror(stdout) != 0) {
     throw std::runtime_error("cannot write to standard output");

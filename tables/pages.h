@@ -33,6 +33,10 @@ std::string partitions_page();
 // run to run.
 std::string pc_table();
 
+// docs/synthesis.md: the engine in SystemVerilog, synthesised, beside what the model says of it,
+// from engines.csv and measured.csv in `folder`.
+std::string synthesis_page(const std::string& folder);
+
 // docs/thesis-tables.md.
 std::string thesis_page();
 

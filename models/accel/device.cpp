@@ -147,6 +147,12 @@ void LogicCells::declare(config::Visitor& v) {
   v.integer("cells", cells, {0, 100'000'000}, {.help = "look-up tables", .required = true});
   v.integer("inputs", inputs, {3, 16}, {"of a look-up table", "six: all but ECP5"});
   v.integer("registers", registers, {0, 100'000'000}, {.help = "flip-flops", .required = true});
+  v.quantity("cells_share", cells_share, config::Dimension::dimensionless, config::between(0, 10),
+             {"look-up tables that the engine takes here, of those that are counted for tables of "
+              "so many inputs",
+              "1: engine.sv, for ECP5 (docs/synthesis.md)"});
+  v.quantity("registers_share", registers_share, config::Dimension::dimensionless,
+             config::between(0, 10), {"likewise registers", "1: engine.sv"});
   v.text("source", source, {.help = kSourceHelp, .required = true});
 }
 

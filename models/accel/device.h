@@ -69,6 +69,9 @@ struct LogicCells {
   int cells = 0;
   int inputs = 6;  // inputs of a cell
   int registers = 0;
+  // What the engine takes here of what is counted of engine.sv (engine_logic.h).
+  double cells_share = 1;
+  double registers_share = 1;
   std::string source;
 
   void declare(config::Visitor& v);

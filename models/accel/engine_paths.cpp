@@ -4,7 +4,7 @@
 
 #include "models/accel/bits.h"
 #include "models/accel/memory.h"
-#include "models/accel/multipliers_and_logic.h"
+#include "models/accel/multipliers.h"
 #include "models/accel/path_builder.h"
 
 namespace hvp::accel {

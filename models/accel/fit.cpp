@@ -7,7 +7,7 @@
 
 #include "models/accel/critical_path.h"
 #include "models/accel/memory.h"
-#include "models/accel/multipliers_and_logic.h"
+#include "models/accel/multipliers.h"
 #include "models/config/input_error.h"
 
 namespace hvp::accel {

@@ -6,7 +6,8 @@
 #include <utility>
 
 #include "models/accel/bits.h"
-#include "models/accel/multipliers_and_logic.h"
+#include "models/accel/engine_logic.h"
+#include "models/accel/multipliers.h"
 #include "models/config/input_error.h"
 
 namespace hvp::accel {
@@ -170,26 +171,6 @@ int blocks_used(const Usage& u, const std::string& type) {
   return counted(sum);
 }
 
-Usage usage_of(const Device& device, const Architecture& a, const WordLengths& w,
-               const SystemSize& size) {
-  Usage u;
-  for (const Structure& s : structures(a, w, size)) allocate(device, a, s, u);
-  for (const MemoryType& type : device.memories) {
-    u.resources.push_back({type.name, blocks_used(u, type.name), type.blocks});
-  }
-  u.resources.push_back(
-      {"multipliers", counted(multipliers(device, a, w)), multiplier_mode(device, a).count});
-  std::int64_t cells = 0;
-  std::int64_t registers = 0;
-  for (const LogicUse& use : logic(device, a, w, size)) {
-    cells += use.cells;
-    registers += use.registers;
-  }
-  u.resources.push_back({"logic", counted(cells), device.logic.cells});
-  u.resources.push_back({"registers", counted(registers), device.logic.registers});
-  return u;
-}
-
 }  // namespace
 
 bool Usage::fits() const {
@@ -202,10 +183,25 @@ void require_choices(const Device& device, const Architecture& a) {
   multiplier_mode(device, a);
 }
 
+Usage usage(const Device& device, const Architecture& a, const WordLengths& w,
+            const SystemSize& size) {
+  require_choices(device, a);
+  Usage u;
+  for (const Structure& s : structures(a, w, size)) allocate(device, a, s, u);
+  for (const MemoryType& type : device.memories) {
+    u.resources.push_back({type.name, blocks_used(u, type.name), type.blocks});
+  }
+  u.resources.push_back(
+      {"multipliers", counted(multipliers(device, a, w)), multiplier_mode(device, a).count});
+  const UnitLogic needed = logic_of_device(device, logic(device, a, w, size));
+  u.resources.push_back({"logic", counted(needed.tables), device.logic.cells});
+  u.resources.push_back({"registers", counted(needed.registers), device.logic.registers});
+  return u;
+}
+
 Usage usage(const Device& device, const Architecture& a, const WordLengths& words,
             const Pattern& p) {
-  require_choices(device, a);
-  return usage_of(device, a, words, system_size(a, p));
+  return usage(device, a, words, system_size(a, p));
 }
 
 int largest_mesh(const Device& device, const Architecture& a, const WordLengths& words,
@@ -220,7 +216,7 @@ int largest_mesh(const Device& device, const Architecture& a, const WordLengths&
     const SystemSize other{static_cast<int>(scaled(size.nodes)),
                            static_cast<int>(scaled(size.direction_nodes)), scaled(size.packages),
                            size.longest_row};
-    return usage_of(device, a, words, other).fits();
+    return usage(device, a, words, other).fits();
   };
   // Usage grows with the mesh, so that the edge is found by halving.
   int low = 0;

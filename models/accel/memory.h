@@ -82,6 +82,8 @@ void require_choices(const Device& device, const Architecture& a);
 // require_choices() does.
 Usage usage(const Device& device, const Architecture& a, const WordLengths& words,
             const Pattern& p);
+Usage usage(const Device& device, const Architecture& a, const WordLengths& words,
+            const SystemSize& size);
 
 // The largest number of nodes that fits with the same rows on average.
 int largest_mesh(const Device& device, const Architecture& a, const WordLengths& words,

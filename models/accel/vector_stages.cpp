@@ -5,7 +5,7 @@
 
 #include "models/accel/bits.h"
 #include "models/accel/engine_paths.h"
-#include "models/accel/multipliers_and_logic.h"
+#include "models/accel/multipliers.h"
 
 namespace hvp::accel {
 

@@ -180,8 +180,9 @@ whole solve does is less again, because the multipliers of SpMxV rest while the 
 - *M4K.* The model counts the matrix, one copy of d for each partition, x, b, r and A·d. The thesis
   does not list what it stores; 11 blocks more are a second buffer for b, U or both (6 each), or
   FIFOs towards the PCI core.
-- *ALUTs and registers* are an estimate, [accelerator.md](accelerator.md) says from what; PCI core
-  and driver logic are not in it.
+- *ALUTs and registers* are the count of the engine in SystemVerilog
+  ([accelerator.md](accelerator.md)) times Stratix II's shares, which are calibrated on this table; PCI
+  core and driver logic are not in it.
 - *Clock.* The model's is what its critical path allows, [critical-path.md](critical-path.md); it is
   calibrated on this one figure for Stratix II.
 

@@ -3,7 +3,7 @@
     measure.py BUILD [--areas] [ENGINE…]
 
 A block that measured.csv has already, of the same sources and tools, is left as it is, and so is
-one of BUILD/synthesis, which keeps every result.
+one of BUILD/synthesised, which keeps every result.
 """
 
 import argparse
@@ -16,11 +16,10 @@ from collections.abc import Callable
 from dataclasses import asdict
 from pathlib import Path
 
-from engines import BLOCKS, ENGINES, WHOLE, Block, Engine
+from engines import ENGINES, HERE, Block, Engine, blocks_of
 from nextpnr_runs import place_and_route
 from yosys_runs import Cells, file_of, fingerprint, read_engine, synthesise, tools
 
-HERE = Path(__file__).parent
 COLUMNS = (
     *("engine", "block", "count", "sources", "luts", "carries", "registers", "memories"),
     *("ram", "multipliers", "clock_mhz", "path", "half_clock_ns", "half_path"),
@@ -82,13 +81,13 @@ def measured(
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
         read_engine(engine, folder)
-        for block in (*BLOCKS, WHOLE):
+        for block in blocks_of(engine):
             sources = fingerprint(block, folder)
             before = known.get((engine.name, block.name))
             if before is not None and before["sources"] == sources and whole(before, engine):
                 rows.append(before)
                 continue
-            values = measure(engine, block, folder, build / "synthesis" / sources, places)
+            values = measure(engine, block, folder, build / "synthesised" / sources, places)
             rows.append(
                 {
                     "engine": engine.name,
@@ -127,7 +126,7 @@ def main() -> None:
             continue
         for row in measured(engine, known, arguments.build, not arguments.areas):
             known[row["engine"], row["block"]] = row
-        order = [(e.name, b.name) for e in ENGINES for b in (*BLOCKS, WHOLE)]
+        order = [(e.name, b.name) for e in ENGINES for b in blocks_of(e)]
         write([known[key] for key in order if key in known], file)
     (HERE / "versions.txt").write_text(tools().replace(" yow", "\nyow") + "\n")
 

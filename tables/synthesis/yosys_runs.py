@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from importlib import metadata
 from pathlib import Path
 
-from engines import BLOCKS, WHOLE, Block, Engine
+from engines import WHOLE, Block, Engine, blocks_of
 
 TOP = Path(__file__).resolve().parents[2]
 SOURCES = TOP / "vp/fpga/rtl/engine"
@@ -63,10 +63,7 @@ def yosys(commands: list[str], folder: Path) -> str:
 def read_engine(engine: Engine, folder: Path) -> None:
     """A file NAME.il a block, without what depends on lines and comments."""
     files = sorted(SOURCES.glob("*.sv"), key=lambda f: (f.name != "engine_types.sv", f.name))
-    parameters = " ".join(
-        f"-G {name}={value}" if name != "Preconditioner" else f"-G {name}=1'b{value}"
-        for name, value in engine.parameters.items()
-    )
+    parameters = " ".join(f"-G {name}={value}" for name, value in engine.parameters.items())
     commands = [
         f"read_slang --keep-hierarchy --blackboxed-module DP16KD --top engine {parameters}"
         f" -D SYNTHESIS -D ECP5 {BLOCK_RAM} " + " ".join(str(f) for f in files),
@@ -75,7 +72,7 @@ def read_engine(engine: Engine, folder: Path) -> None:
         "setparam -unset Bits -unset Shift t:DP16KD",
         "design -save read",
     ]
-    for block in (*BLOCKS, WHOLE):
+    for block in blocks_of(engine):
         commands += [
             "design -load read",
             f"hierarchy -top {module_of(block)}",

@@ -12,7 +12,7 @@
 #include "app/devices/devices.h"
 #include "models/accel/critical_path.h"
 #include "models/accel/fit.h"
-#include "models/accel/multipliers_and_logic.h"
+#include "models/accel/multipliers.h"
 #include "models/accel/partition.h"
 #include "models/config/input_error.h"
 
@@ -245,37 +245,6 @@ TEST(LargestMesh, FallsWithPartitions) {
   EXPECT_LT(nodes(16), 2357);
   EXPECT_LT(nodes(32), 1794);
   EXPECT_GT(nodes(32), 1000);
-}
-
-// Table 6.2: 8.4 k ALUTs and 10.5 k registers. The estimate is built from the structure, not
-// fitted, and is to stay within the sixth that docs/accelerator.md states.
-TEST(Logic, IsNearThesisTable62) {
-  const Usage u = usage(device("EP2S60"), {}, {}, thesis_mesh());
-  EXPECT_NEAR(used(u, "logic"), 8400, 8400 / 6.0);
-  EXPECT_NEAR(used(u, "registers"), 10500, 10500 / 6.0);
-  EXPECT_TRUE(u.fits());
-}
-
-TEST(Logic, IsTheSumOfItsParts) {
-  // Eight products of 28 bits: four sums of 29 bits, two of 30, one of 31.
-  EXPECT_EQ(adder_tree_bits(8, 28), 4 * 29 + 2 * 30 + 31);
-  EXPECT_EQ(adder_tree_bits(5, 10), 2 * 11 + 12 + 13);
-  EXPECT_EQ(adder_tree_bits(1, 10), 0);
-  // Six inputs choose from four, four inputs from two.
-  EXPECT_EQ(multiplexer_cells(4, 6), 1);
-  EXPECT_EQ(multiplexer_cells(5, 6), 2);
-  EXPECT_EQ(multiplexer_cells(4, 4), 3);
-  const auto unit = [](const Architecture& a, const char* name) {
-    const SystemSize size = system_size(a, thesis_mesh());
-    const auto all = logic(device("EP2S60"), a, {}, size);
-    return std::ranges::find(all, name, &LogicUse::unit)->cells;
-  };
-  Architecture more;
-  more.partitions = 10;
-  const char* trees = "adder trees and accumulators";
-  EXPECT_EQ(unit({}, trees), 15 * (4 * 29 + 2 * 30 + 31 + 34));
-  EXPECT_EQ(unit(more, trees), 2 * unit({}, trees));
-  EXPECT_EQ(unit(more, "divider"), unit({}, "divider"));
 }
 
 // Equation 5.1 gives 11 % for 36 non-zeros a row; rows of 12 blocks fill 40 of five packages, and

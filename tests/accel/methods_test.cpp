@@ -279,11 +279,11 @@ TEST(MethodMemory, HoldsTheVectorsOfTheRecurrences) {
 // components, so that one product more a component is six.
 TEST(MethodMemory, CountsTheMultipliersOfEachMethod) {
   EXPECT_EQ(multipliers({}), 141);
-  EXPECT_EQ(multipliers({.stop_test = true}), 141);  // γ is ‖r‖²
+  EXPECT_EQ(multipliers({.stop_test = true}), 141 + 3);  // γ is ‖r‖²; the limit
   EXPECT_EQ(multipliers({.method = Method::jacobi_pcg}), 141 + 6 * 4);
-  EXPECT_EQ(multipliers({.method = Method::jacobi_pcg, .stop_test = true}), 141 + 6 * 8);
+  EXPECT_EQ(multipliers({.method = Method::jacobi_pcg, .stop_test = true}), 141 + 6 * 8 + 3);
   EXPECT_EQ(multipliers({.method = Method::block_jacobi_pcg}), 141 + 6 * 12);
-  EXPECT_EQ(multipliers({.method = Method::block_jacobi_pcg, .stop_test = true}), 141 + 6 * 16);
+  EXPECT_EQ(multipliers({.method = Method::block_jacobi_pcg, .stop_test = true}), 141 + 6 * 16 + 3);
   EXPECT_EQ(multipliers({.method = Method::chronopoulos_gear}), 141 + 1);
   EXPECT_EQ(multipliers({.method = Method::chronopoulos_gear, .dynamic_scaling = false}),
             141 + 6 * 3 + 1);
