@@ -263,33 +263,40 @@ module matrix_editor #(
     write_package <= package4;
   end
 
-  // ---- The own block, as its words are behind rank 4.
+  // ---- The own block, as its words are behind rank 4: a component of the node is one column of a
+  // package at most.
   logic valid5;
-  logic [Package-1:0] on_diagonal5;  // columns of the node's own block
-  logic [1:0] phase5;
-  always_ff @(posedge clock) begin
-    valid5 <= valid4 && !reset;
-    phase5 <= phase4;
-  end
+  logic [2:0][Package-1:0] is_component5;
+  logic [2:0] has_component5;
+  logic [2:0][Package-1:0] is_component4;
   for (genvar c = 0; c < Package; ++c) begin : g_diagonal
     localparam int Node0 = c / 3;
     localparam int Node1 = (c + 1) / 3 < Nodes ? (c + 1) / 3 : Nodes - 1;
     localparam int Node2 = (c + 2) / 3 < Nodes ? (c + 2) / 3 : Nodes - 1;
-    wire of_node = phase4 == 2'd0 ? is_node[Node0] : phase4 == 2'd1 ? is_node[Node1] : is_node[Node2];
-    always_ff @(posedge clock) begin
-      on_diagonal5[c] <= valid4 && own4 && ColumnBits'(c) < columns4 && of_node;
+    wire here = valid4 && own4 && ColumnBits'(c) < columns4;
+    for (genvar k = 0; k < 3; ++k) begin : g_component
+      // The phase with which column c is component k.
+      localparam int Phase = (k - c + 3 * Package) % 3;
+      localparam int Node = Phase == 0 ? Node0 : Phase == 1 ? Node1 : Node2;
+      wire in_phase = Phase == 2 ? phase4[1] : phase4 == 2'(Phase);
+      assign is_component4[k][c] = here && in_phase && is_node[Node];
     end
   end
   always_ff @(posedge clock) begin
-    for (int r = 0; r < 3; ++r) begin
-      for (int c = 0; c < Package; ++c) begin
-        for (int k = 0; k < 3; ++k) begin
-          if (on_diagonal5[c] && 2'(k) == (phase5 == 2'd0 ? 2'(c % 3) : phase5 == 2'd1
-                                           ? 2'((c + 1) % 3) : 2'((c + 2) % 3))) begin
-            own_block[r][k] <= new_words[r][c];
-          end
+    valid5 <= valid4 && !reset;
+    is_component5 <= is_component4;
+    for (int k = 0; k < 3; ++k) has_component5[k] <= |is_component4[k];
+  end
+  for (genvar k = 0; k < 3; ++k) begin : g_own
+    for (genvar r = 0; r < 3; ++r) begin : g_row
+      logic [MatrixBits-1:0] chosen;
+      always_comb begin
+        chosen = '0;
+        for (int c = 0; c < Package; ++c) begin
+          if (is_component5[k][c]) chosen = chosen | new_words[r][c];
         end
       end
+      always_ff @(posedge clock) if (has_component5[k]) own_block[r][k] <= chosen;
     end
   end
   assign looked = looks && !visits_left && !visit && valid == '0 && !valid3 && !valid4 && !valid5;
