@@ -48,6 +48,7 @@ module edit_visits #(
   // Its node holds still while a word could be read that is just written.
   (* no_rw_check *) logic [PlaceBits-1:0] places[2**NodeBits];
   logic [PlaceBits-1:0] place;
+  logic [BlockBits+2:0] own_columns;  // of the row at `place`, a clock later
 
   // ---- The own row's index words, until their nodes are looked up.
   logic [Nodes*NodeBits+1:0] words[2**QueueBits];
@@ -114,6 +115,7 @@ module edit_visits #(
 
   always_ff @(posedge clock) begin
     if (place_write) places[place_node] <= place_word;
+    own_columns <= columns_of(place[PlaceBits-1-:BlockBits+1]);
     if (!busy || takes_found) place <= places[place_address];
 
     if (index_valid) begin
@@ -122,7 +124,7 @@ module edit_visits #(
     end
 
     if (takes_scanned) begin
-      found_valid <= looks && neighbour != node;
+      found_valid <= looks;
       found_node <= neighbour;
       found_block <= scanned[BlockBits-1:0];
       if (has_word) begin
@@ -139,7 +141,7 @@ module edit_visits #(
       if (scanned == blocks) scanning <= 1'b0;
     end
     if (takes_found) begin
-      read_valid <= found_valid;
+      read_valid <= found_valid && found_node != node;
       read_node <= found_node;
       read_block <= found_block;
     end
@@ -193,7 +195,7 @@ module edit_visits #(
       current_node <= node;
       current_block <= '0;
       current_phase <= '0;
-      current_columns <= columns_of(place[PlaceBits-1-:BlockBits+1]);
+      current_columns <= own_columns;
       {left, current_partition, current_package} <= place[PartitionBits+P+7:0];
     end
     if (reset) begin
