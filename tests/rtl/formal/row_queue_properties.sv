@@ -20,7 +20,13 @@ module row_queue_properties #(
     input wire puts,                    // with the next edge
     input wire [RowBits-1:0] row_put,
     input wire [RowBits-1:0] rows[Depth],
-    input wire [RowBits-1:0] row_shown
+    input wire [RowBits-1:0] row_shown,
+    // What the collector is told of the row behind it, and of one that is put.
+    input wire [QueueBits-1:0] behind,
+    input wire behind_lane,
+    input wire finishes,
+    input wire finishing_lane,
+    input wire lanes[Depth]
 );
 
   typedef logic [QueueBits:0] count_t;
@@ -57,6 +63,20 @@ module row_queue_properties #(
     assert (issue == (running && !(ends_row && places_given == count_t'(Depth))));
     assert (int'(count_t'(issued - finished)) == $countones(in_ranks));
     if (puts) assert (rows_there < count_t'(Depth));
+  end
+
+  // ---- The collector knows the lane of a row before it is shown, the lowest bit of its node.
+  always_comb if (after_reset) begin
+    assert (finishes == puts);
+    if (puts) assert (finishing_lane == row_put[RowBits-1]);
+    for (int i = 0; i < Depth; ++i) begin
+      automatic logic [QueueBits-1:0] from_first = QueueBits'(i) - taken[QueueBits-1:0];
+      if (count_t'(from_first) < rows_there) begin
+        assert (lanes[i] == rows[i][RowBits-1]);
+      end
+    end
+    assume (behind == QueueBits'(taken + 1'b1));
+    if (rows_there > count_t'(1)) assert (behind_lane == rows[behind][RowBits-1]);
   end
 
   // ---- No loss and no other order: any one row that is put, chosen freely, is shown as it was when
@@ -105,7 +125,12 @@ bind spmxv_partition row_queue_properties #(
     .puts(valid[7] && last[7]),
     .rows,
     .row_put({owner[7], next_sum, next_own}),
-    .row_shown({row_node, row_sum, row_own})
+    .row_shown({row_node, row_sum, row_own}),
+    .behind,
+    .behind_lane,
+    .finishes(row_finishes),
+    .finishing_lane(finishing_node[0]),
+    .lanes
 );
 
 `default_nettype wire

@@ -48,6 +48,7 @@ module edit_visits #(
   // Its node holds still while a word could be read that is just written.
   (* no_rw_check *) logic [PlaceBits-1:0] places[2**NodeBits];
   logic [PlaceBits-1:0] place;
+  logic [BlockBits+2:0] own_columns;  // of the row at `place`, a clock later
 
   // ---- The own row's index words, until their nodes are looked up.
   logic [Nodes*NodeBits+1:0] words[2**QueueBits];
@@ -80,10 +81,11 @@ module edit_visits #(
   wire has_word = scanning && put != got;
   wire looks = has_word && there && scanned != blocks;
 
-  // ---- Behind it, each with a neighbour of its own: its place is read, and it is the next row.
-  logic read_valid, next_valid;
-  logic [NodeBits-1:0] read_node, next_node;
-  logic [BlockBits-1:0] read_block, next_block;
+  // ---- Behind it, each with a neighbour of its own: it is found, its place is read, and it is the next
+  // row.
+  logic found_valid, read_valid, next_valid;
+  logic [NodeBits-1:0] found_node, read_node, next_node;
+  logic [BlockBits-1:0] found_block, read_block, next_block;
   logic [PlaceBits-1:0] next_place;
   // ---- The row whose packages are visited.
   logic current_valid, current_own;
@@ -98,8 +100,9 @@ module edit_visits #(
   wire last = left == 8'd1;
   wire takes_next = next_valid && (!current_valid || last);
   wire takes_read = read_valid && (!next_valid || takes_next);
-  wire takes_scanned = !read_valid || takes_read;
-  wire [NodeBits-1:0] place_address = busy ? neighbour : node;
+  wire takes_found = !read_valid || takes_read;
+  wire takes_scanned = !found_valid || takes_found;
+  wire [NodeBits-1:0] place_address = busy ? found_node : node;
 
   function automatic logic [BlockBits+2:0] columns_of(input logic [BlockBits:0] count);
     return {1'b0, count, 1'b0} + {2'b00, count};
@@ -112,7 +115,8 @@ module edit_visits #(
 
   always_ff @(posedge clock) begin
     if (place_write) places[place_node] <= place_word;
-    if (!busy || takes_scanned) place <= places[place_address];
+    own_columns <= columns_of(place[PlaceBits-1-:BlockBits+1]);
+    if (!busy || takes_found) place <= places[place_address];
 
     if (index_valid) begin
       words[put] <= {index_phase, index_nodes};
@@ -120,9 +124,9 @@ module edit_visits #(
     end
 
     if (takes_scanned) begin
-      read_valid <= looks && neighbour != node;
-      read_node <= neighbour;
-      read_block <= scanned[BlockBits-1:0];
+      found_valid <= looks;
+      found_node <= neighbour;
+      found_block <= scanned[BlockBits-1:0];
       if (has_word) begin
         if (looks) begin
           scanned <= scanned + 1'b1;
@@ -135,6 +139,11 @@ module edit_visits #(
         end
       end
       if (scanned == blocks) scanning <= 1'b0;
+    end
+    if (takes_found) begin
+      read_valid <= found_valid && found_node != node;
+      read_node <= found_node;
+      read_block <= found_block;
     end
     if (takes_read) begin
       next_node <= read_node;
@@ -168,7 +177,7 @@ module edit_visits #(
       current_columns <= columns_of(next_place[PlaceBits-1-:BlockBits+1]);
       {left, current_partition, current_package} <= next_place[PartitionBits+P+7:0];
     end
-    if (busy && !scanning && !read_valid && !next_valid && !current_valid) busy <= 1'b0;
+    if (busy && !scanning && !found_valid && !read_valid && !next_valid && !current_valid) busy <= 1'b0;
 
     if (start) begin
       busy <= 1'b1;
@@ -178,6 +187,7 @@ module edit_visits #(
       blocks <= place[PlaceBits-1-:BlockBits+1];
       put <= '0;
       got <= '0;
+      found_valid <= 1'b0;
       read_valid <= 1'b0;
       next_valid <= 1'b0;
       current_valid <= 1'b1;
@@ -185,12 +195,13 @@ module edit_visits #(
       current_node <= node;
       current_block <= '0;
       current_phase <= '0;
-      current_columns <= columns_of(place[PlaceBits-1-:BlockBits+1]);
+      current_columns <= own_columns;
       {left, current_partition, current_package} <= place[PartitionBits+P+7:0];
     end
     if (reset) begin
       busy <= 1'b0;
       scanning <= 1'b0;
+      found_valid <= 1'b0;
       read_valid <= 1'b0;
       next_valid <= 1'b0;
       current_valid <= 1'b0;

@@ -283,7 +283,11 @@ module engine
   // ---- The vector unit.
   wire product;
   wire [Partitions-1:0][QueueBits:0] rows_finished, taken;
-  wire [Partitions-1:0][NodeBits-1:0] row_node;
+  localparam int LaneBits = Lanes > 1 ? $clog2(Lanes) : 1;
+  wire [Partitions-1:0][QueueBits-1:0] behind;
+  wire [Partitions-1:0][LaneBits-1:0] behind_lane;
+  wire [Partitions-1:0] row_finishes;
+  wire [Partitions-1:0][NodeBits-1:0] row_node, finishing_node;
   wire [Partitions-1:0][2:0][SumBits-1:0] row_sum;
   wire [Partitions-1:0][2:0][VectorBits-1:0] row_own;
   wire [NodeBits-1:0] direction_read, direction_first;
@@ -364,6 +368,10 @@ module engine
       .product,
       .finished(rows_finished),
       .taken,
+      .behind,
+      .behind_lane,
+      .partition_finishes(row_finishes),
+      .partition_finishing_node(finishing_node),
       .partition_node(row_node),
       .partition_sum(row_sum),
       .partition_own(row_own),
@@ -427,7 +435,11 @@ module engine
       .direction_first,
       .direction_new,
       .taken,
+      .behind,
+      .behind_lane,
       .finished(rows_finished),
+      .row_finishes,
+      .finishing_node,
       .row_node,
       .row_sum,
       .row_own,

@@ -81,7 +81,7 @@ module matrix_editor #(
 
   // ---- The row that comes back: block i is in memory i mod Banks.
   logic [8:0][MatrixBits-1:0] block_words;
-  logic [BlockBits-1:0] first_block;
+  logic [BlockBits-1:0] first_block;  // a rank before its words
   wire [Banks-1:0][8:0][MatrixBits-1:0] staged;
   always_ff @(posedge clock) begin
     if (staged_write) begin
@@ -97,7 +97,9 @@ module matrix_editor #(
     end
     // Of Banks blocks from the first one: that which this memory has.
     wire [BlockBits-1:0] ahead = first_block + BlockBits'(Banks - 1 - b);
-    assign staged[b] = cells[ahead[BlockBits-1:BankBits]];
+    logic [BlockBits-BankBits-1:0] address3;
+    always_ff @(posedge clock) address3 <= ahead[BlockBits-1:BankBits];
+    assign staged[b] = cells[address3];
     wire unused = &{1'b0, ahead[BankBits-1:0]};
   end
 
@@ -179,22 +181,40 @@ module matrix_editor #(
   logic [1:0] phase3, phase4;
   logic [PartitionBits-1:0] partition3, partition4;
   logic [PackageBits-1:0] package3, package4;
-  logic [BlockBits-1:0] block3;
-  assign first_block = block3;
+  logic [BankBits-1:0] bank3;  // of the first block
+  assign first_block = block[2];
   logic [ColumnBits-1:0] columns3, columns4;
   logic [2:0][Package-1:0][MatrixBits-1:0] words3, words4;
   logic [Nodes-1:0] is_node3, is_node;
-  logic [Nodes-1:0] touched;  // they are cleared or restored, and do not stay
   // The block of the own row that node n of the package is; a neighbour's row has one block there,
   // which is its transpose.
   logic [Nodes-1:0][8:0][MatrixBits-1:0] block_of;
+  // What becomes of column c, which is component (phase + c) mod 3 of node (phase + c) / 3: its words
+  // stay, or they are those of a block with one of the three phases, or the diagonal, or zero. They do
+  // not stay in any case, or unless a contact wants them to: the node or, in another row, that row's.
+  logic [2:0][Package-1:0] touched3, touched4, unless_contact3, unless_contact4;  // with a phase each
+  logic [2:0][Package-1:0] changed4;
+  logic [Nodes-1:0] is_contact4;
+  logic [2:0][Package-1:0] has_diagonal3, has_diagonal4;  // of a row each
+  for (genvar c = 0; c < Package; ++c) begin : g_touched
+    wire here = ColumnBits'(c) < columns3 && !looks;
+    for (genvar i = 0; i < 3; ++i) begin : g_phase
+      localparam int Node = (c + i) / 3 < Nodes ? (c + i) / 3 : Nodes - 1;
+      wire in_phase = here && (i == 2 ? phase3[1] : phase3 == 2'(i));
+      wire of_node = in_phase && is_node3[Node];
+      assign touched3[i][c] = own3 ? of_node || (in_phase && !restores) : of_node && !restores;
+      assign unless_contact3[i][c] = own3 ? in_phase : of_node;
+      assign changed4[i][c] = touched4[i][c] || (unless_contact4[i][c] && !is_contact4[Node]);
+      assign has_diagonal3[(c+i)%3][c] = own3 && of_node && !restores;
+    end
+  end
   always_ff @(posedge clock) begin
     valid3 <= valid[2] && !reset;
     own3 <= own[2];
     phase3 <= phase2;
     partition3 <= partition[2];
     package3 <= package_at[2];
-    block3 <= block[2];
+    bank3 <= block[2][BankBits-1:0];
     columns3 <= columns[2];
     words3 <= words[partition[2]];
     valid4 <= valid3 && !reset;
@@ -205,11 +225,13 @@ module matrix_editor #(
     columns4 <= columns3;
     words4 <= words3;
     is_node <= is_node3;
+    touched4 <= touched3;
+    unless_contact4 <= unless_contact3;
+    for (int n = 0; n < Nodes; ++n) is_contact4[n] <= is_contact3[own3 ? n : Nodes];
+    has_diagonal4 <= has_diagonal3;
     for (int n = 0; n < Nodes; ++n) begin
-      automatic logic [BankBits-1:0] bank = block3[BankBits-1:0] + (own3 ? BankBits'(n) : '0);
+      automatic logic [BankBits-1:0] bank = bank3 + (own3 ? BankBits'(n) : '0);
       is_node3[n] <= nodes2[n] == node;
-      touched[n] <= looks ? 1'b0 : own3 ? is_node3[n] || !(restores && is_contact3[n])
-                          : is_node3[n] && !(restores && is_contact3[Nodes]);
       for (int r = 0; r < 3; ++r) begin
         for (int k = 0; k < 3; ++k) begin
           block_of[n][3*r+k] <= own3 ? staged[bank][3*r+k] : staged[bank][3*k+r];
@@ -218,42 +240,21 @@ module matrix_editor #(
     end
   end
 
-  // ---- The words that are changed. Column c is component (phase + c) mod 3 of node (phase + c) / 3.
-  // The word of row r and component k of node n.
-  function automatic logic [MatrixBits-1:0] word_of(input logic [8:0][MatrixBits-1:0] from,
-                                                    input logic of_node, input int r,
-                                                    input int k);
-    if (restores) return from[3*r+k];
-    return own4 && of_node && r == k ? diagonal : '0;
-  endfunction
-
-  // Column c is a component of a node for each of the three phases.
+  // ---- The words that are changed.
   for (genvar c = 0; c < Package; ++c) begin : g_column
     localparam int Node0 = c / 3;
     localparam int Node1 = (c + 1) / 3 < Nodes ? (c + 1) / 3 : Nodes - 1;
     localparam int Node2 = (c + 2) / 3 < Nodes ? (c + 2) / 3 : Nodes - 1;  // the phase is 0 then
     for (genvar r = 0; r < 3; ++r) begin : g_row
-      always_ff @(posedge clock) begin
-        if (valid4) begin
-          new_words[r][c] <= words4[r][c];
-          if (ColumnBits'(c) < columns4) begin
-            case (phase4)
-              2'd0:
-              if (touched[Node0]) begin
-                new_words[r][c] <= word_of(block_of[Node0], is_node[Node0], r, c % 3);
-              end
-              2'd1:
-              if (touched[Node1]) begin
-                new_words[r][c] <= word_of(block_of[Node1], is_node[Node1], r, (c + 1) % 3);
-              end
-              default:
-              if (touched[Node2]) begin
-                new_words[r][c] <= word_of(block_of[Node2], is_node[Node2], r, (c + 2) % 3);
-              end
-            endcase
-          end
-        end
+      logic [MatrixBits-1:0] chosen;
+      always_comb begin
+        chosen = changed4[0][c] || changed4[1][c] || changed4[2][c] ? '0 : words4[r][c];
+        if (has_diagonal4[r][c]) chosen = chosen | diagonal;
+        if (restores && changed4[0][c]) chosen = chosen | block_of[Node0][3*r+c%3];
+        if (restores && changed4[1][c]) chosen = chosen | block_of[Node1][3*r+(c+1)%3];
+        if (restores && changed4[2][c]) chosen = chosen | block_of[Node2][3*r+(c+2)%3];
       end
+      always_ff @(posedge clock) if (valid4) new_words[r][c] <= chosen;
     end
   end
   always_ff @(posedge clock) begin
@@ -263,33 +264,40 @@ module matrix_editor #(
     write_package <= package4;
   end
 
-  // ---- The own block, as its words are behind rank 4.
+  // ---- The own block, as its words are behind rank 4: a component of the node is one column of a
+  // package at most.
   logic valid5;
-  logic [Package-1:0] on_diagonal5;  // columns of the node's own block
-  logic [1:0] phase5;
-  always_ff @(posedge clock) begin
-    valid5 <= valid4 && !reset;
-    phase5 <= phase4;
-  end
+  logic [2:0][Package-1:0] is_component5;
+  logic [2:0] has_component5;
+  logic [2:0][Package-1:0] is_component4;
   for (genvar c = 0; c < Package; ++c) begin : g_diagonal
     localparam int Node0 = c / 3;
     localparam int Node1 = (c + 1) / 3 < Nodes ? (c + 1) / 3 : Nodes - 1;
     localparam int Node2 = (c + 2) / 3 < Nodes ? (c + 2) / 3 : Nodes - 1;
-    wire of_node = phase4 == 2'd0 ? is_node[Node0] : phase4 == 2'd1 ? is_node[Node1] : is_node[Node2];
-    always_ff @(posedge clock) begin
-      on_diagonal5[c] <= valid4 && own4 && ColumnBits'(c) < columns4 && of_node;
+    wire here = valid4 && own4 && ColumnBits'(c) < columns4;
+    for (genvar k = 0; k < 3; ++k) begin : g_component
+      // The phase with which column c is component k.
+      localparam int Phase = (k - c + 3 * Package) % 3;
+      localparam int Node = Phase == 0 ? Node0 : Phase == 1 ? Node1 : Node2;
+      wire in_phase = Phase == 2 ? phase4[1] : phase4 == 2'(Phase);
+      assign is_component4[k][c] = here && in_phase && is_node[Node];
     end
   end
   always_ff @(posedge clock) begin
-    for (int r = 0; r < 3; ++r) begin
-      for (int c = 0; c < Package; ++c) begin
-        for (int k = 0; k < 3; ++k) begin
-          if (on_diagonal5[c] && 2'(k) == (phase5 == 2'd0 ? 2'(c % 3) : phase5 == 2'd1
-                                           ? 2'((c + 1) % 3) : 2'((c + 2) % 3))) begin
-            own_block[r][k] <= new_words[r][c];
-          end
+    valid5 <= valid4 && !reset;
+    is_component5 <= is_component4;
+    for (int k = 0; k < 3; ++k) has_component5[k] <= |is_component4[k];
+  end
+  for (genvar k = 0; k < 3; ++k) begin : g_own
+    for (genvar r = 0; r < 3; ++r) begin : g_row
+      logic [MatrixBits-1:0] chosen;
+      always_comb begin
+        chosen = '0;
+        for (int c = 0; c < Package; ++c) begin
+          if (is_component5[k][c]) chosen = chosen | new_words[r][c];
         end
       end
+      always_ff @(posedge clock) if (has_component5[k]) own_block[r][k] <= chosen;
     end
   end
   assign looked = looks && !visits_left && !visit && valid == '0 && !valid3 && !valid4 && !valid5;

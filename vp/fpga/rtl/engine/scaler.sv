@@ -63,23 +63,30 @@ module scaler #(
   } state_t;
   state_t state;
 
-  logic [SecondBits-1:0] product, second;
+  // The largest magnitude is multiplied in two parts, of which each fits a multiplier.
+  localparam int Low = LargestBits > 18 ? 18 : LargestBits;
+  localparam int High = LargestBits > Low ? LargestBits - Low : 1;
+  logic [MantissaBits+Low-1:0] low_product;
+  logic [MantissaBits+High-1:0] high_product;
+  wire [High-1:0] high = High'(largest >> Low);
+  logic [SecondBits-1:0] second;
   logic first_zero, second_zero;
   logic [Adder+2:0] widened;
 
-  // The length of a magnitude: its highest byte that is not zero, and in it the highest bit.
+  // The length of a magnitude: its highest byte that is not zero, and in it, a clock later, the highest
+  // bit.
   logic [W-1:0] measured;
-  logic [7:0] top_byte;
-  logic [2:0] top_index;
+  logic [7:0] next_byte, top_byte;
+  logic [2:0] next_index, top_index;
   logic [6:0] length;
   always_comb begin
     automatic logic [63:0] padded = 64'(measured);
-    top_byte = '0;
-    top_index = '0;
+    next_byte = '0;
+    next_index = '0;
     for (int i = 0; i < 8; ++i) begin
       if (|padded[8*i+:8]) begin
-        top_byte = padded[8*i+:8];
-        top_index = 3'(i);
+        next_byte = padded[8*i+:8];
+        next_index = 3'(i);
       end
     end
     length = '0;
@@ -88,13 +95,13 @@ module scaler #(
   always_comb begin
     case (state)
       MeasureFirst: measured = W'(first);
-      MeasureSecond: measured = W'(second);
+      Settle: measured = W'(second);
       default: measured = W'(widened);
     endcase
   end
 
   // A term, cut to units of 2^unit: the whole part, and one more where bits may have been lost. It is
-  // shifted by eights, and in the state behind that by ones.
+  // shifted by eights, and in the state behind that by ones; the one more is added later.
   logic signed [E-1:0] unit;
   logic [E-1:0] first_left, second_left, first_right, second_right;
   wire coarse_first = state == CoarseFirst;
@@ -113,15 +120,16 @@ module scaler #(
   end
   wire [Adder:0] shifted =
       coarse_gone ? '0 : (Adder + 1)'(coarse_left ? coarse << ones : coarse >> ones);
-  wire [Adder:0] aligned = coarse_zero ? '0 : shifted + (Adder + 1)'(!coarse_left);
+  wire [Adder:0] aligned = coarse_zero ? '0 : shifted;
+  wire aligned_up = !coarse_zero && !coarse_left;
 
   logic signed [E-1:0] first_top, second_top, bits, unused, excess, excess_cut;
   // Lengths of the terms are counted from that of the adder, so that the higher top is the unit.
   logic signed [7:0] first_length, second_length;
   wire signed [7:0] length_beyond = $signed({1'b0, length}) - 8'(Adder);
-  logic [6:0] sum_length;
   logic unused_enough, exceeds;
   logic [Adder:0] first_term, second_term;
+  logic first_up, second_up;
   logic [Adder+1:0] sum;
   logic negative;
 
@@ -140,7 +148,10 @@ module scaler #(
 
   always_ff @(posedge clock) begin
     done <= 1'b0;
-    product <= mantissa * largest;
+    low_product <= mantissa * largest[Low-1:0];
+    high_product <= mantissa * high;
+    top_byte <= next_byte;
+    top_index <= next_index;
     case (state)
       Wait:
       if (start) begin
@@ -148,18 +159,18 @@ module scaler #(
         negative <= 1'b0;
         state <= dynamic_scaling ? MeasureFirst : Finish;
       end
-      MeasureFirst: begin  // beside a second rank of the multiplier
-        first_length <= length_beyond;
+      MeasureFirst: begin
+        second <= SecondBits'(low_product) + (SecondBits'(high_product) << Low);
         state <= Settle;
       end
       Settle: begin
-        second <= product;
+        first_length <= length_beyond;
         first_zero <= first == '0;
-        second_zero <= product == '0;
-        first_top <= E'(first_length) + first_exponent;
+        second_zero <= second == '0;
         state <= MeasureSecond;
       end
       MeasureSecond: begin
+        first_top <= E'(first_length) + first_exponent;
         second_length <= length_beyond;
         state <= SecondTop;
       end
@@ -181,14 +192,17 @@ module scaler #(
       CoarseFirst: state <= AlignFirst;
       AlignFirst: begin
         first_term <= aligned;
+        first_up <= aligned_up;
         state <= AlignSecond;
       end
       AlignSecond: begin
+        first_term <= first_term + (Adder + 1)'(first_up);
         second_term <= aligned;
+        second_up <= aligned_up;
         state <= Add;
       end
       Add: begin
-        sum <= {1'b0, first_term} + {1'b0, second_term};
+        sum <= {1'b0, first_term} + {1'b0, second_term} + (Adder + 2)'(second_up);
         state <= Widen;
       end
       Widen: begin  // room for the rounding of both terms
@@ -196,12 +210,9 @@ module scaler #(
                                        : {1'b0, sum} >> (WordBits - 3));
         state <= MeasureSum;
       end
-      MeasureSum: begin
-        sum_length <= length;
-        state <= Bits;
-      end
+      MeasureSum: state <= Bits;
       Bits: begin
-        bits <= first_zero && second_zero ? '0 : E'(sum_length) + unit;
+        bits <= first_zero && second_zero ? '0 : E'(length) + unit;
         state <= Compare;
       end
       Compare: begin

@@ -30,7 +30,8 @@ module spmxv_partition #(
     localparam int Nodes = Package % 3 == 0 ? Package / 3 : (Package + 1) / 3 + 1,
     // {last, phase, owner, nodes}: the package ends its row; the component of its first column; the
     // row it belongs to; its block columns.
-    localparam int IndexBits = (Nodes + 1) * NodeBits + 3
+    localparam int IndexBits = (Nodes + 1) * NodeBits + 3,
+    localparam int LaneBits = Lanes > 1 ? $clog2(Lanes) : 1
 ) (
     input wire clock,
 `ifdef ECP5
@@ -61,7 +62,12 @@ module spmxv_partition #(
     input wire [Lanes-1:0][2:0][VectorBits-1:0] direction_new,
     // Finished rows.
     input wire [QueueBits:0] taken,
+    // The place behind that of the row which waits longest, and the lane of the node there.
+    input wire [QueueBits-1:0] behind,
+    output wire [LaneBits-1:0] behind_lane,
     output logic [QueueBits:0] finished,
+    output wire row_finishes,  // one more is finished with the next edge: that of a node
+    output wire [NodeBits-1:0] finishing_node,
     output wire [NodeBits-1:0] row_node,
     output wire [2:0][SumBits-1:0] row_sum,
     output wire [2:0][VectorBits-1:0] row_own,
@@ -336,6 +342,7 @@ module spmxv_partition #(
   // ---- Rank 8: the accumulators and the result memory.
   localparam int RowBits = NodeBits + 3 * SumBits + 3 * VectorBits;
   logic [RowBits-1:0] rows[2**QueueBits];
+  logic [LaneBits-1:0] lanes[2**QueueBits];  // of their nodes
   logic [2:0][SumBits-1:0] sum, next_sum;
   logic [2:0][VectorBits-1:0] own_words, next_own;
   always_comb begin
@@ -351,6 +358,7 @@ module spmxv_partition #(
       own_words <= next_own;
       if (last[7]) begin
         rows[finished[QueueBits-1:0]] <= {owner[7], next_sum, next_own};
+        lanes[finished[QueueBits-1:0]] <= owner[7][LaneBits-1:0];
         finished <= finished + 1'b1;
       end
     end
@@ -359,6 +367,9 @@ module spmxv_partition #(
       finished <= '0;
     end
   end
+  assign behind_lane = lanes[behind];
+  assign row_finishes = valid[7] && last[7];
+  assign finishing_node = owner[7];
   assign {row_node, row_sum, row_own} = rows[taken[QueueBits-1:0]];
 
 endmodule

@@ -78,18 +78,31 @@ module stop_test #(
   wire [Mantissa-1:0] kept = value[W-1-:Mantissa];
   wire half = value[W-1-Mantissa];
   wire rest = |value[W-2-Mantissa:0];
-  logic up;
-  wire [Mantissa:0] rounded = {1'b0, kept} + (Mantissa + 1)'(up);
+  // Where they round up to a power of two, the lower bits become zeros and the highest one stays.
+  logic up, carries;
+  wire [Mantissa-1:0] rounded = kept + Mantissa'(up);
 
-  // ---- The product with t^2, eight bits of it a clock, and its rounding.
-  logic [2*Mantissa+Digit-1:0] product;
+  // ---- The product with t^2, eight bits of it a clock from the lowest on, and its rounding. A digit
+  // is multiplied by parts of the mantissa that fit a multiplier; those that do not overlap are one
+  // number, so that two are added.
+  localparam int Part = 18;
+  localparam int Rest = Mantissa - 2 * Part;
+  logic [Mantissa+Digits*Digit-1:0] product;
   logic [Digits*Digit-1:0] factor;
+  wire [Digit-1:0] digit = factor[Digit-1:0];
   logic [Mantissa-1:0] mantissa;
   logic [3:0] count;
-  logic [Mantissa+Digit-1:0] partial;
+  logic [Part+Digit-1:0] low, middle;
+  logic [Rest+Digit-1:0] high;
+  wire [Mantissa+Digit-1:0] outer = {high, {(Part - Digit) {1'b0}}, low};
+  wire [Mantissa+Digit-1:0] inner = {{Rest{1'b0}}, middle, {Part{1'b0}}};
+  wire [Mantissa+Digits*Digit-1:0] summed = {
+    (Mantissa + Digit)'(product[Digits*Digit+:Mantissa]) + outer + inner,
+    product[Digits*Digit-1:Digit]
+  };
   logic long;
-  wire [Mantissa:0] product_rounded = {1'b0, product[2*Mantissa-1-:Mantissa]} +
-                                      (Mantissa + 1)'(up);
+  wire [Mantissa-1:0] product_kept = product[2*Mantissa-1-:Mantissa];
+  wire [Mantissa-1:0] product_rounded = product_kept + Mantissa'(up);
 
   // ---- The limit.
   logic limit_zero;
@@ -130,26 +143,31 @@ module stop_test #(
       end
       Halve: begin
         up <= half && (rest || kept[0]);
+        carries <= &kept;
         state <= Round;
       end
       Round: begin
-        mantissa <= rounded[Mantissa] ? {1'b1, {(Mantissa - 1) {1'b0}}} : rounded[Mantissa-1:0];
-        exponent <= exponent + E'(rounded[Mantissa]);
+        mantissa <= {1'b1, rounded[Mantissa-2:0]};
+        exponent <= exponent + E'(up && carries);
         product <= '0;
-        partial <= '0;
+        low <= '0;
+        middle <= '0;
+        high <= '0;
         factor <= (Digits * Digit)'(tolerance);
         count <= 4'(Digits - 1);
         state <= of_rhs ? Multiply : Compare;
       end
       Multiply: begin
-        partial <= mantissa * factor[Digits*Digit-1-:Digit];
-        product <= (product << Digit) + (2 * Mantissa + Digit)'(partial);
-        factor <= factor << Digit;
+        low <= mantissa[0+:Part] * digit;
+        middle <= mantissa[Part+:Part] * digit;
+        high <= mantissa[2*Part+:Rest] * digit;
+        product <= summed;
+        factor <= factor >> Digit;
         count <= count - 1'b1;
         if (count == '0) state <= Accumulate;
       end
       Accumulate: begin
-        product <= (product << Digit) + (2 * Mantissa + Digit)'(partial);
+        product <= summed;
         state <= AlignProduct;
       end
       AlignProduct: begin
@@ -160,13 +178,13 @@ module stop_test #(
       end
       HalveProduct: begin
         up <= product[Mantissa-1] && (|product[Mantissa-2:0] || product[Mantissa]);
+        carries <= &product_kept;
         exponent <= exponent + E'(Mantissa - 1) + E'(long);
         state <= RoundProduct;
       end
       RoundProduct: begin
-        limit <= product_rounded[Mantissa] ? {1'b1, {(Mantissa - 1) {1'b0}}}
-                                           : product_rounded[Mantissa-1:0];
-        limit_exponent <= exponent + E'(product_rounded[Mantissa]);
+        limit <= {1'b1, product_rounded[Mantissa-2:0]};
+        limit_exponent <= exponent + E'(up && carries);
         limit_zero <= zero;
         state <= Wait;
       end
@@ -199,7 +217,8 @@ module stop_test #(
       waits <= 1'b0;
     end
   end
-  wire unused = &{1'b0, product[2*Mantissa+Digit-1:2*Mantissa]};
+  wire unused = &{1'b0, product[Mantissa+Digits*Digit-1:2*Mantissa], rounded[Mantissa-1],
+                     product_rounded[Mantissa-1]};
 
 endmodule
 

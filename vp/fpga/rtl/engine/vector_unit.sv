@@ -35,6 +35,7 @@ module vector_unit
     localparam int DifferenceBits =
         difference_bits(VectorBits, StaticBits, ProductBits, ProductShift),
     localparam int BankBits = Lanes > 1 ? $clog2(Lanes) : 0,
+    localparam int LaneBits = Lanes > 1 ? BankBits : 1,
     localparam int AddressBits = NodeBits - BankBits
 ) (
     input wire clock,
@@ -88,8 +89,12 @@ module vector_unit
     output wire [InverseWords-1:0][InverseWidth-1:0] inverse_word,
     // The partitions.
     output wire product,  // a product runs
+    input wire [Partitions-1:0] partition_finishes,
+    input wire [Partitions-1:0][NodeBits-1:0] partition_finishing_node,
     input wire [Partitions-1:0][QueueBits:0] finished,
     output wire [Partitions-1:0][QueueBits:0] taken,
+    output wire [Partitions-1:0][QueueBits-1:0] behind,
+    input wire [Partitions-1:0][LaneBits-1:0] behind_lane,
     input wire [Partitions-1:0][NodeBits-1:0] partition_node,
     input wire [Partitions-1:0][2:0][SumBits-1:0] partition_sum,
     input wire [Partitions-1:0][2:0][VectorBits-1:0] partition_own,
@@ -163,6 +168,13 @@ module vector_unit
   wire [Lanes-1:0][NodeBits-1:0] row_node;
   wire [Lanes-1:0][2:0][SumBits-1:0] row_sum;
   wire [Lanes-1:0][2:0][V-1:0] row_own;
+  logic [Partitions-1:0][LaneBits-1:0] finishing_lane;
+  always_comb begin
+    for (int p = 0; p < Partitions; ++p) begin
+      finishing_lane[p] = partition_finishing_node[p][LaneBits-1:0];
+    end
+  end
+  wire unused_nodes = &{1'b0, partition_finishing_node};
   row_collector #(
       .Partitions(Partitions),
       .Lanes(Lanes),
@@ -173,9 +185,12 @@ module vector_unit
   ) collector (
       .clock,
       .reset,
-      .collects(product),
+      .finishes(partition_finishes),
+      .finishing_lane,
       .finished,
       .taken,
+      .behind,
+      .behind_lane,
       .node(partition_node),
       .sum(partition_sum),
       .own(partition_own),
@@ -199,7 +214,6 @@ module vector_unit
   end
 
   // ---- Lanes.
-  localparam int LaneBits = Lanes > 1 ? BankBits : 1;
   wire [LaneBits-1:0] host_lane = Lanes > 1 ? host_node[LaneBits-1:0] : '0;
   wire [LaneBits-1:0] inverse_lane = Lanes > 1 ? inverse_node[LaneBits-1:0] : '0;
   wire is_product = pass == Product;
