@@ -18,10 +18,13 @@ struct RtlArguments : ScenarioArguments {
 int rtl_command(const RtlArguments& arguments) {
   vp::require_rtl();
   const LoadedScenario loaded = load(arguments);
-  // The area of the device is no matter of the level rtl.
-  const Scene scene = build_scene(loaded, make_progress(arguments.quiet), Scene::Limits::reported);
-  end_progress(arguments.quiet);
   try {
+    // What a run at that level would refuse needs no engine.
+    Scenario at_level = loaded.scenario;
+    at_level.fidelity.accelerator = vp::Timing::rtl;
+    at_level.check();
+    const Scene scene(loaded.scenario, loaded.device, make_progress(arguments.quiet));
+    end_progress(arguments.quiet);
     if (!scene.has_board()) {
       throw InputError("host.solver",
                        "no board is built, whose engine this would be: expected "

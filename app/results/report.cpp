@@ -47,6 +47,10 @@ std::string solve_clocks(const app::Scene& scene, const Outcome& o) {
 void compared_line(Out out, const Outcome& o) {
   if (!o.accelerator || !o.accelerator->compared) return;
   const vp::rtl::Compared& c = *o.accelerator->compared;
+  if (c.solves == 0 && c.aborted == 0) {
+    fmt::format_to(out, "\nRTL          nothing was compared: no frame has a solve\n");
+    return;
+  }
   fmt::format_to(out,
                  "\nRTL          as the cycle-accurate engine: {}, {} aborted, with {}; {} of the "
                  "matrix;\n             {} and {} compared\n",

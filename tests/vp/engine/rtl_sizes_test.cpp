@@ -102,6 +102,24 @@ TEST(RtlSizes, AddressesHaveRoomForEveryNodeAndPackage) {
     EXPECT_GE(1 << size.package_bits, count);
     EXPECT_LT(1 << size.node_bits, std::max(65, 2 * count));
   }
+  // A bank of d has two nodes at least, however few there are.
+  for (int banks = 1; banks <= 1024; banks *= 2) {
+    const EngineSize size = changed([&](Design& d) {
+                              d.a.direction_banks = banks;
+                              d.room = {1, 1};
+                            }).wanted();
+    EXPECT_GT(1 << size.node_bits, banks);
+  }
+  // As many bits of a shift with a preconditioner as without.
+  const auto longest = [](Method method) {
+    return changed([=](Design& d) {
+             d.s.matrix_bits = 18;
+             d.s.method = method;
+           })
+        .wanted()
+        .static_bits;
+  };
+  EXPECT_EQ(longest(Method::jacobi_pcg), longest(Method::cg));
 }
 
 std::string refused(const Change& change) {

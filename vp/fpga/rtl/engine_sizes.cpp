@@ -90,13 +90,17 @@ EngineSize wanted_size(const accel::Architecture& a, const fixed::Settings& s, c
   size.package = a.package;
   size.partitions = a.partitions;
   size.nodes_per_clock = a.nodes_per_clock;
-  size.node_bits = std::max(kAddressBits, bits_of(room.nodes));
+  // A bank of d has two nodes at least.
+  size.node_bits = std::max({kAddressBits, bits_of(room.nodes), bits_of(a.direction_banks) + 1});
   size.package_bits = std::max(kAddressBits, bits_of(room.packages));
   size.queue_bits = bits_of(a.result_queue);
   size.phase_clocks = a.phase_clocks();
   size.division_clocks = static_cast<int>(a.division(s));
+  // With the same words plain conjugate gradients may be asked of an engine with a preconditioner.
+  constexpr int kLargestShift = 31;
+  const int most_shift = std::max(s.rhs_shift(), std::min(s.shift(), kLargestShift));
   size.static_bits = std::max(
-      kStaticBits, static_cast<int>(std::bit_width(static_cast<std::uint32_t>(s.rhs_shift()))));
+      kStaticBits, static_cast<int>(std::bit_width(static_cast<std::uint32_t>(most_shift))));
   size.rows_in_parallel = a.rows_in_parallel;
   size.direction_banks = a.direction_banks;
   size.direction_memory = a.direction_memory;
