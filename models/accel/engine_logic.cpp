@@ -13,18 +13,18 @@ namespace {
 // Look-up tables that yosys needs for each that is counted below, over the engines that calibrate
 // them; docs/synthesis.md has the same figures from its measurements.
 constexpr double kPartition = 1.17;
-constexpr double kBanks = 0.72;
+constexpr double kBanks = 0.74;
 constexpr double kLane = 0.84;
-constexpr double kCollector = 1.11;
+constexpr double kCollector = 1.03;
 constexpr double kSums = 1.23;
 constexpr double kSequencer = 1.62;
 constexpr double kDivider = 1.35;
 constexpr double kScaler = 1.32;
-constexpr double kStopTest = 1.24;
-constexpr double kEditor = 0.95;
+constexpr double kStopTest = 1.25;
+constexpr double kEditor = 0.87;
 constexpr double kInverse = 1.29;
 constexpr double kSettings = 1.04;
-constexpr double kBetween = 0.48;
+constexpr double kBetween = 0.19;
 
 constexpr int kExponentBits = 22;
 constexpr int kTermBits = 40;      // of a re-scaling
@@ -154,7 +154,7 @@ class EngineLogic {
     const std::int64_t row = e_.node + 3 * (e_.sum + w_.vector_bits);
     return {lanes * row * gate_cells(2 * a_.partitions, inputs_) +
                 a_.partitions * (3 * (e_.queue + 1) + 10 * (lanes + 1)),
-            levels_over(a_.partitions) + lanes * (row + 1) + a_.partitions * (e_.queue + 1)};
+            a_.partitions * (5 + 3 * lanes + 2 * e_.queue + 1) + lanes * (row + 1)};
   }
 
   // coefficient_divider.sv: a bit of the quotient a clock, both operands shifted to the left.
@@ -169,13 +169,13 @@ class EngineLogic {
   UnitLogic scaler() const {
     const int product = w_.coefficient_bits - 1 + kProductBits - 1;
     const int measured = std::max(product, kTermBits + 3);
-    return {10 * measured + 6 * kTermBits + 16 * kExponentBits, 2 * product + measured + 479};
+    return {10 * measured + 6 * kTermBits + 16 * kExponentBits, 3 * product + measured + 454};
   }
 
   // stop_test.sv: sums of squares to 53 bits, which are multiplied and compared.
   UnitLogic stop_test() const {
     const int word = std::max(64, 8 * ceil_div(e_.squares, 8));
-    return {7 * word + 12 * kMantissaBits + 6 * kExponentBits, e_.squares + word + 437};
+    return {7 * word + 12 * kMantissaBits + 6 * kExponentBits, e_.squares + word + 452};
   }
 
   // sequencer.sv without those three: scalars, exponents and shifts.
@@ -190,14 +190,14 @@ class EngineLogic {
     const std::int64_t package = 3 * a_.package * word;
     const std::int64_t nodes = e_.package_nodes;
     const int number = bits_to_number(a_.partitions);
-    const std::int64_t banks = nodes > 4 ? 8 : 4;
-    const std::int64_t visits = 6 * e_.node + 7 * kRowBlockBits + 6 * (kRowBlockBits + 3) +
+    const int banks = nodes > 4 ? 8 : 4;
+    const std::int64_t visits = 7 * e_.node + 7 * kRowBlockBits + 6 * (kRowBlockBits + 3) +
                                 8 * e_.package + 7 * number + 130;
     return {(package + e_.index) * choose(a_.partitions) + nodes * 9 * word * choose(banks + 1) +
                 5 * package + 3 * word * gate_cells(2 * a_.package, inputs_) + 250 +
                 2 * nodes * e_.node,
-            12 * word + 3 * package + nodes * (9 * word + 3) + a_.package + a_.partitions + visits -
-                40};
+            18 * word + 3 * package + nodes * (9 * word + 3) + 12 * a_.package + a_.partitions +
+                visits + (banks - 1) * (kRowBlockBits - bits_to_number(banks)) - 23};
   }
 
   // inverse_maker.sv: a serial division, and counters of rows by the length of their word;

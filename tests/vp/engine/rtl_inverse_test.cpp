@@ -127,7 +127,8 @@ TEST_P(RtlInverse, AgreesOnBlocksOfAnyKind) {
     halved += inverse.shift() >= 29 ? 1 : 0;
   }
   std::printf("%d systems with the longest words of P⁻¹\n", halved);
-  EXPECT_GT(halved, 10);
+  // The inverse of a diagonal alone is not longer than its scale.
+  if (size.preconditioner == Preconditioner::blocks) EXPECT_GT(halved, 10);
   pair.print(size.name);
 }
 
