@@ -128,7 +128,9 @@ TEST_P(RtlInverse, AgreesOnBlocksOfAnyKind) {
   }
   std::printf("%d systems with the longest words of P⁻¹\n", halved);
   // The inverse of a diagonal alone is not longer than its scale.
-  if (size.preconditioner == Preconditioner::blocks) EXPECT_GT(halved, 10);
+  if (size.preconditioner == Preconditioner::blocks) {
+    EXPECT_GT(halved, 10);
+  }
   pair.print(size.name);
 }
 
