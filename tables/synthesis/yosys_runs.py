@@ -107,8 +107,8 @@ def fingerprint(block: Block, folder: Path) -> str:
         lambda match: numbers.setdefault(match[0], f"${len(numbers)}"),
         (folder / f"{file_of(block)}.il").read_text(),
     )
-    # The first line names the version of yosys, the last ones of `autoidx` what it counted; where the
-    # black boxes' source lies is the checkout's.
+    # The first line names the version of yosys, the last ones of `autoidx` what it counted; where
+    # the black boxes' source lies is the checkout's.
     text = re.sub(r"^(#.*|autoidx .*|\s*attribute \\src .*)$", "", text, flags=re.MULTILINE)
     return hashlib.sha256(f"{SYNTHESIS}\n{tools()}\n{text}".encode()).hexdigest()[:16]
 
