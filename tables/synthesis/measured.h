@@ -35,7 +35,7 @@ struct SynthesisedEngine {
   accel::SystemSize size;
   std::vector<SynthesisedBlock> blocks;
 
-  const SynthesisedBlock* block(std::string_view name) const;
+  const SynthesisedBlock* block(std::string_view wanted) const;
   const SynthesisedBlock& whole() const;  // throws std::runtime_error where there is none
 };
 
