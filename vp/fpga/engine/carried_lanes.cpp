@@ -63,9 +63,9 @@ void VectorUnit::carry() {
       std::copy_n(m.b.begin() + static_cast<std::ptrdiff_t>(first), count, carried(slot, kB));
       take(m.z, kZ, fixed::Settings::kProductBits);
       take(m.r, kR, settings.residual_bits());
-      // b − q is formed of the word itself.
+      // b − q is formed of the word itself, which is the least one of no longer word.
       const bool residual = lanes_.command().pass == Pass::residual;
-      take(m.q, kQ, residual ? 64 : fixed::Settings::kProductBits);
+      take(m.q, kQ, fixed::Settings::kProductBits + (residual ? 1 : 0));
     }
   }
   if (carries_words_ && settings.preconditioned()) {
