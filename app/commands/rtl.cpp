@@ -59,8 +59,8 @@ void add_rtl(CLI::App& app, int& status) {
       "rtl",
       "the size of the engine in SystemVerilog for a scenario; ./hvp rtl translates and keeps it");
   add_scenario_arguments(*command, *arguments);
-  command->add_flag("--cmake", arguments->cmake,
-                    "what the build has to add for it, as CMake takes it; nothing if it has it");
+  // For ./hvp, which has the build add it: what CMake takes, and nothing if the size is there.
+  command->add_flag("--cmake", arguments->cmake)->group("");
   command->callback([arguments, &status] { status = rtl_command(*arguments); });
 }
 

@@ -7,7 +7,8 @@ side. A block must exit 0 unless the line before it says otherwise:
     <!-- exit 2 -->                 it shows an error and exits with that status
     <!-- not run: takes an hour --> it is only read, for the reason given
     <!-- in the step linux: takes a kernel --> it is run with --step linux, as all blocks are of
-                                    a document that has such a one; else it is only read
+                                    a document that has such a one; else it is only read, and with
+                                    --without linux so is the whole document
 """
 
 import argparse
@@ -119,7 +120,11 @@ def run_block(block: Block, directory: Path) -> str | None:
     return f"exit {run.returncode}, expected {block.status}\n{block.script}{run.stdout}"
 
 
-def check(build: Path, step: str, document: Path) -> int:
+def has_block_of(step: str, document: Path) -> bool:
+    return any(block.step == step for block in shell_blocks(document.read_text()))
+
+
+def check(build: Path, step: str, without: list[str], document: Path) -> int:
     """The number of faults; what is printed of a document stands together."""
     failures = 0
     lines: list[str] = []
@@ -130,7 +135,8 @@ def check(build: Path, step: str, document: Path) -> int:
     with tempfile.TemporaryDirectory(prefix="hvp-documents-") as scratch:
         directory = Path(scratch)
         lay_out(directory, build)
-        for block in shell_blocks(document.read_text()):
+        runs = not any(has_block_of(other, document) for other in without)
+        for block in shell_blocks(document.read_text()) if runs else []:
             if block.status is None or block.step not in ("", step):
                 continue
             started = time.monotonic()
@@ -148,22 +154,26 @@ def main() -> int:
     parser.add_argument("--build", type=Path, required=True, help="stands in for build/")
     parser.add_argument("document", type=Path, nargs="*", help="default: all of them")
     parser.add_argument("--step", default="", help="documents with blocks of this step alone")
+    parser.add_argument(
+        "--without",
+        action="append",
+        default=[],
+        metavar="STEP",
+        help="of documents with blocks of this step only links, as the step runs them",
+    )
     parser.add_argument("--jobs", type=int, default=os.cpu_count() or 1, help="documents at once")
     arguments = parser.parse_args()
     chosen = [path.resolve() for path in arguments.document] or documents()
     step = arguments.step
     if step:
-        chosen = [
-            path
-            for path in chosen
-            if any(block.step == step for block in shell_blocks(path.read_text()))
-        ]
+        chosen = [path for path in chosen if has_block_of(step, path)]
         if not chosen:
             parser.error(f"--step {step}: no document has a block of that step")
     # The longest pages first, so that none of them is left for the end.
     chosen.sort(key=lambda path: -path.stat().st_size)
     with ThreadPoolExecutor(arguments.jobs) as pool:
-        failures = sum(pool.map(partial(check, arguments.build.resolve(), step), chosen))
+        work = partial(check, arguments.build.resolve(), step, arguments.without)
+        failures = sum(pool.map(work, chosen))
     print(f"{len(chosen)} documents, {failures} faults")
     return 1 if failures else 0
 

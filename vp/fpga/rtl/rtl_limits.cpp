@@ -18,6 +18,21 @@ void require(bool there, const char* key, const std::string& found, const std::s
   throw InputError(key, found + "; at the level rtl " + expected + " was expected");
 }
 
+const char* name(fixed::Method method) {
+  switch (method) {
+    case fixed::Method::cg:
+      return "\"cg\"";
+    case fixed::Method::jacobi_pcg:
+      return "\"jacobi-pcg\"";
+    case fixed::Method::block_jacobi_pcg:
+      return "\"block-jacobi-pcg\"";
+    case fixed::Method::chronopoulos_gear:
+      return "\"chronopoulos-gear\"";
+    default:
+      return "\"pipelined-cg\"";
+  }
+}
+
 const char* name(accel::DirectionMemory memory) {
   switch (memory) {
     case accel::DirectionMemory::double_pumped:
@@ -87,7 +102,7 @@ void require_buildable(const accel::Architecture& a) {
 
 void require_buildable(const fixed::Settings& s) {
   require_arithmetic(s);
-  require(s.method == fixed::Method::cg || s.preconditioned(), "method", "another method",
+  require(s.method == fixed::Method::cg || s.preconditioned(), "method", name(s.method),
           "\"cg\", \"jacobi-pcg\" or \"block-jacobi-pcg\"");
   // The host's register of the static shift has five bits.
   constexpr int kLargestShift = 31;
@@ -110,7 +125,11 @@ void require_buildable(const accel::Architecture& a, const fixed::Settings& s) {
     // With blocks their products and rows, too.
     least = std::max(least, (look_up + 34 + 6 * (quotient - 2) + 5) / 6);
   }
-  require_at_least("division_clocks", static_cast<int>(a.division(s)), least);
+  const auto given = static_cast<int>(a.division(s));
+  require(given >= least, "division_clocks",
+          a.division_clocks != 0 ? std::to_string(given)
+                                 : "0, which is " + std::to_string(given) + " with these words,",
+          "at least " + std::to_string(least));
 }
 
 void require_buildable(const Room& room) {
@@ -140,7 +159,7 @@ void require_fitting(const EngineSize& size, const fixed::Settings& s) {
                                    "\"cg\" or \"block-jacobi-pcg\""};
   require(s.method == fixed::Method::cg ||
               (s.preconditioned() && preconditioner(s.method) == size.preconditioner),
-          "method", "another method", kMethods[static_cast<std::size_t>(size.preconditioner)]);
+          "method", name(s.method), kMethods[static_cast<std::size_t>(size.preconditioner)]);
   require_equal("matrix_bits", s.matrix_bits, size.matrix_bits);
   require_equal("vector_bits", s.vector_bits, size.vector_bits);
   require_equal("coefficient_bits", s.coefficient_bits, size.coefficient_bits);
