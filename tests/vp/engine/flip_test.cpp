@@ -6,9 +6,11 @@
 
 #include <gtest/gtest.h>
 
+#include "models/fixed/division.h"
 #include "tests/fixed/elastic_box.h"
 #include "tests/vp/engine/engine_systems.h"
 #include "vp/fpga/engine/cycle_engine.h"
+#include "vp/fpga/engine/divider.h"
 
 namespace hvp::vp::engine::flip_test {
 namespace {
@@ -201,6 +203,40 @@ TEST_F(FlippedEngine, TheCounterOfIterationsDecidesHowManyThereAre) {
   engine_.flip({.place = FlipPlace::loops, .bit = 2});
   settle();
   EXPECT_EQ(engine_.report().iterations, 2);
+}
+
+// Of the shortest scalar a division takes every step that there is, and has its end at the same clock
+// though the last rank of zᵀr is up to five clocks late.
+TEST(LateDivider, HasItsEndAtTheSameClock) {
+  Settings settings;
+  settings.method = fixed::Method::jacobi_pcg;
+  const int clocks = fixed::shortest_division(settings);
+  Register<DivisionCommand> command;
+  Divider divider("divider");
+  divider.command = &command;
+  divider.configure(settings, clocks);
+  std::uint32_t number = 0;
+  for (int bits = 0; bits < settings.scalar_bits - 1; ++bits) {
+    Quotient in_time;
+    for (int late = 0; late <= 5; ++late) {
+      command.reset({.number = ++number,
+                     .numerator = fixed::Int128{1} << bits,
+                     .denominator = (fixed::Int128{1} << (settings.scalar_bits - 2)) + 12'345,
+                     .late = late,
+                     .rescaling = {.a = 12'000, .largest = 31'000}});
+      // The sequencer takes the quotient with the last of these clocks.
+      for (int clock = 2; clock < clocks; ++clock) divider.clocked();
+      EXPECT_TRUE(divider.busy());
+      ASSERT_NO_THROW(divider.clocked()) << bits << " bits, " << late << " clocks late";
+      EXPECT_FALSE(divider.busy());
+      const Quotient& quotient = divider.quotient.next();
+      EXPECT_EQ(quotient.number, number);
+      if (late == 0) in_time = quotient;
+      EXPECT_EQ(quotient.value.mantissa, in_time.value.mantissa);
+      EXPECT_EQ(quotient.value.exponent, in_time.value.exponent);
+      EXPECT_EQ(quotient.up, in_time.up);
+    }
+  }
 }
 
 // Every range is that of a word or bit that is there.

@@ -19,12 +19,12 @@ void Divider::clocked() {
   } else if (busy_ && phase_ == Phase::divide) {
     if (division_.step()) take_quotient();
   } else if (busy_ && phase_ == Phase::rescale) {
-    if (rescaling_.step()) {
-      result_.up = rescaling_.up();
-      phase_ = Phase::wait;
-    }
+    rescale();
   }
   if (!busy_ || --left_ > 0) return;
+  // Operands that come late leave a re-scaling as many clocks less: it is then made in fewer, with a
+  // multiplier (vp/fpga/rtl/engine/scaler.sv).
+  for (int i = 0; i < command_.late && phase_ == Phase::rescale; ++i) rescale();
   if (phase_ != Phase::wait) throw std::logic_error("a division outlasts its clocks");
   busy_ = false;
   quotient.write(result_);
@@ -54,6 +54,12 @@ void Divider::take_quotient() {
   }
   rescaling_.start(settings_, command_.rescaling, result_.value);
   phase_ = Phase::rescale;
+}
+
+void Divider::rescale() {
+  if (!rescaling_.step()) return;
+  result_.up = rescaling_.up();
+  phase_ = Phase::wait;
 }
 
 }  // namespace hvp::vp::engine

@@ -56,6 +56,7 @@ class Divider : public sc_core::sc_module {
   void begin();
   void divide();
   void take_quotient();
+  void rescale();
 
   fixed::Settings settings_;
   fixed::Report report_;
