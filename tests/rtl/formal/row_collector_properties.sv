@@ -13,6 +13,7 @@ module row_collector_properties #(
 ) (
     input wire clock,
     input wire reset,
+    input wire empties,
     input wire [Partitions-1:0] finishes,
     input wire [Partitions-1:0][LaneBits-1:0] finishing_lane,
     input wire [Partitions-1:0][CountBits-1:0] finished,
@@ -64,7 +65,7 @@ module row_collector_properties #(
     logic [CountBits-1:0] expected_finished;
     logic [LaneBits-1:0] expected_lane;
     always_ff @(posedge clock) begin
-      expected_finished <= reset ? '0 : finished[p] + CountBits'(finishes[p]);
+      expected_finished <= reset || empties ? '0 : finished[p] + CountBits'(finishes[p]);
       expected_lane <= gives[p] ? (waiting[p] > CountBits'(1) ? behind_lane[p] : finishing_lane[p])
                        : has_row[p] ? LaneBits'(int'(node[p]) % Lanes) : finishing_lane[p];
     end
@@ -116,7 +117,8 @@ module row_collector_properties #(
   end
 
   // ---- With the edge: what was given has been taken, once, and goes to its lane as it was.
-  logic was_reset;
+  logic was_emptied, turn_stays;
+  logic [Partitions-1:0] turn_before;
   logic [Partitions-1:0] gave;
   logic [Partitions-1:0][CountBits-1:0] were_taken;
   logic [Lanes-1:0] took;
@@ -124,7 +126,9 @@ module row_collector_properties #(
   logic [Lanes-1:0][2:0][SumBits-1:0] sum_before;
   logic [Lanes-1:0][2:0][VectorBits-1:0] own_before;
   always_ff @(posedge clock) begin
-    was_reset <= reset;
+    was_emptied <= reset || empties;
+    turn_stays <= !reset && empties;
+    turn_before <= first;
     gave <= gives;
     were_taken <= taken;
     took <= '0;
@@ -140,11 +144,12 @@ module row_collector_properties #(
     end
   end
   always_comb if (after_reset && past) begin
+    assert (first == turn_before || !turn_stays);
     for (int p = 0; p < Partitions; ++p) begin
-      assert (taken[p] == (was_reset ? '0 : were_taken[p] + CountBits'(gave[p])));
+      assert (taken[p] == (was_emptied ? '0 : were_taken[p] + CountBits'(gave[p])));
     end
     for (int l = 0; l < Lanes; ++l) begin
-      assert (row_valid[l] == (took[l] && !was_reset));
+      assert (row_valid[l] == (took[l] && !was_emptied));
       if (row_valid[l]) begin
         assert (row_node[l] == node_before[l]);
         assert (row_sum[l] == sum_before[l]);
@@ -161,7 +166,7 @@ module row_collector_properties #(
     wire [WaitBits-1:0] distance =
         turn <= p ? WaitBits'(p - turn) : WaitBits'(p + Partitions - turn);
     always_ff @(posedge clock) begin
-      waited <= reset || !has_row[p] || gives[p] ? '0 : waited + 1'b1;
+      waited <= reset || empties || !has_row[p] || gives[p] ? '0 : waited + 1'b1;
     end
     always_comb if (after_reset) begin
       if (has_row[p]) assert (waited + distance < WaitBits'(Partitions));

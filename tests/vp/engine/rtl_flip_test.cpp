@@ -108,9 +108,6 @@ class Flips {
     // An engine with a preconditioner has longer words behind the point without it, too.
     const bool exponent = place == FlipPlace::r_exponent || place == FlipPlace::d_exponent;
     if (exponent && size_.preconditions() != settings_.preconditioned()) return false;
-    // A row too many leaves packages and rows behind a product's end; where a job ends there, both
-    // engines have gone on differently with them.
-    if (place == FlipPlace::last) return false;
     return !turns || (place != FlipPlace::nodes && place != FlipPlace::phase);
   }
 

@@ -73,6 +73,7 @@ void CycleEngine::clocked() {
   for (const auto& block : blocks_) {
     block->address(vectors_.multiplies() ? -1 : vectors_.addressed());
     block->clocked();
+    if (vectors_.product_ended()) block->reset();
   }
 }
 

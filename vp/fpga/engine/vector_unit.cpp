@@ -57,33 +57,44 @@ void VectorUnit::load(int nodes) {
 
 void VectorUnit::reset() {
   running_ = false;
+  ended_ = false;
   writes_left_ = 0;
   late_z_.clear();
   first_block_ = 0;
   for (Group& group : group_) group.count = 0;
   for (int& count : back_count_) count = 0;
-  for (std::size_t i = 0; i < taken.size(); ++i) {
-    results_[i] = {};
-    taken[i]->reset();
-  }
+  std::ranges::fill(results_, Results{});
+  for (const auto& count : taken) count->reset();
+}
+
+// The blocks drop theirs at the same edge, and count the room that they have until then.
+void VectorUnit::forget_rows() {
+  std::ranges::fill(results_, Results{});
+  for (const auto& count : taken) count->write(0);
 }
 
 void VectorUnit::clocked() {
   const bool starts = command->read().number != lanes_.command().number;
   if (starts) begin_pass();
   const bool product = running_ && lanes_.command().pass == Pass::product;
+  product_ended_ = carries_words_ && ended_ && lanes_.command().pass == Pass::product;
+  ended_ = false;
   if (carries_words_) {
     address(starts);
     write_z();
-    if (!product) drain_rows();
   }
-  if (!running_) return;
-  if (product) {
-    collect();
-  } else {
-    move_lanes();
+  if (running_) {
+    if (product) {
+      collect();
+    } else {
+      move_lanes();
+    }
+    if (done_nodes_ == nodes_) finish_pass();
   }
-  if (done_nodes_ == nodes_) finish_pass();
+  if (!carries_words_) return;
+  // The lanes read what q has before the edge.
+  if (!product) drain_rows();
+  if (product_ended_) forget_rows();
 }
 
 // A pass may take the place of one that is not over: the copy of an x that has changed since.
@@ -107,6 +118,7 @@ void VectorUnit::finish_pass() {
   }
   status.write(lanes_.status());
   running_ = false;
+  ended_ = true;
 }
 
 // The number of accesses to the bank that this number of successive nodes asks most.

@@ -64,6 +64,8 @@ class VectorUnit : public sc_core::sc_module {
   // Where words are carried, what the blocks see at this edge: whether a product runs, and the node
   // that a pass has read of d, which a pass' end leaves behind the last one.
   bool multiplies() const { return multiplies_; }
+  // A product was over with the edge before: the blocks drop what it leaves.
+  bool product_ended() const { return product_ended_; }
   int addressed() const { return addressed_; }
 
   // For traces.
@@ -115,6 +117,7 @@ class VectorUnit : public sc_core::sc_module {
   void carry_rows();
   void round_rows(int rank);
   void drain_rows();
+  void forget_rows();
   std::span<ProductWords> rows_at(int rank);
   void address(bool starts);
   void send_z(const Group& group, const LaneWords& from);
@@ -130,6 +133,8 @@ class VectorUnit : public sc_core::sc_module {
   int nodes_ = 0;
 
   bool running_ = false;
+  bool ended_ = false;  // the pass, at this edge
+  bool product_ended_ = false;
   bool reads_direction_ = false;  // the pass does
   bool writes_direction_ = false;
   int next_node_ = 0;   // of the group that enters next

@@ -281,7 +281,7 @@ module engine
   assign d_q = 64'(d_q_word);
 
   // ---- The vector unit.
-  wire product;
+  wire product, product_ended;
   wire [Partitions-1:0][QueueBits:0] rows_finished, taken;
   localparam int LaneBits = Lanes > 1 ? $clog2(Lanes) : 1;
   wire [Partitions-1:0][QueueBits-1:0] behind;
@@ -366,6 +366,7 @@ module engine
       .inverse_new,
       .inverse_word,
       .product,
+      .product_ended,
       .finished(rows_finished),
       .taken,
       .behind,
@@ -428,6 +429,7 @@ module engine
       .inverse_word,
       .inverse_shift,
       .product,
+      .product_ended,
       .start(start && pass == Product),
       .direction_read,
       .direction_words,

@@ -58,6 +58,7 @@ module matrix_partitions
     // The sequencer and the vector unit.
     input wire product,
     input wire start,
+    input wire product_ended,
     input wire [NodeBits-1:0] direction_read,
     output wire [Lanes-1:0][2:0][VectorBits-1:0] direction_words,
     input wire [Lanes-1:0] direction_write,
@@ -241,7 +242,7 @@ module matrix_partitions
 `ifdef ECP5
         .clock2,
 `endif
-        .reset,
+        .reset(reset || product_ended),
         .matrix_write(rows | {3{edit_write[p]}}),
         .matrix_write_package(edit_write[p] ? edited_package : host_address[PackageBits-1:0]),
         .matrix_write_words(edit_write[p] ? edited_words : {3{columns}}),

@@ -20,6 +20,7 @@ module row_collector #(
 ) (
     input wire clock,
     input wire reset,
+    input wire empties,  // a product is over: rows that nobody waits for go, and the turn stays
     // A row that is finished with the next edge, and the lane of its node.
     input wire [Partitions-1:0] finishes,
     input wire [Partitions-1:0][LaneBits-1:0] finishing_lane,
@@ -159,9 +160,15 @@ module row_collector #(
         behind[p] <= behind[p] + 1'b1;
       end
     end
+    if (empties) begin
+      first <= first;
+      begins <= begins;
+    end
     if (reset) begin
       first <= Partitions'(1);
       begins <= '1;
+    end
+    if (reset || empties) begin
       any <= '0;
       several <= '0;
       given <= '0;

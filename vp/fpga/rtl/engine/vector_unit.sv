@@ -89,6 +89,7 @@ module vector_unit
     output wire [InverseWords-1:0][InverseWidth-1:0] inverse_word,
     // The partitions.
     output wire product,  // a product runs
+    output wire product_ended,
     input wire [Partitions-1:0] partition_finishes,
     input wire [Partitions-1:0][NodeBits-1:0] partition_finishing_node,
     input wire [Partitions-1:0][QueueBits:0] finished,
@@ -185,6 +186,7 @@ module vector_unit
   ) collector (
       .clock,
       .reset,
+      .empties(product_ended),
       .finishes(partition_finishes),
       .finishing_lane,
       .finished,
@@ -382,7 +384,9 @@ module vector_unit
       .clamped
   );
 
-  // ---- The end: nodes that are summed, or rows that are written.
+  // ---- The end: nodes that are summed, or rows that are written. What an index word's flipped bit
+  // has a product leave in partitions and collector goes, so that the next product has its own rows.
+  assign product_ended = done && is_product;
   logic [NodeBits:0] more;
   always_comb begin
     more = '0;
