@@ -53,6 +53,8 @@ FIRST = {
     "edit_visits.sv": f"{CONTACTS}/narrow",
     "matrix_editor.sv": f"{CONTACTS}/narrow",
     "inverse_maker.sv": f"{RANDOM}/wide",
+    "inverse_order.sv": f"{RANDOM}/wide",
+    "row_lengths.sv": f"{RANDOM}/wide",
     "preconditioner_lane.sv": f"{RANDOM}/wide",
     "block_inverse_maker.sv": f"{INVERSES}/blocks",
     "block_preconditioner_lane.sv": f"{RANDOM}/blocks",

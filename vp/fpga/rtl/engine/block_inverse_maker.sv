@@ -1,11 +1,10 @@
 // P^-1 of the preconditioner of 3 x 3 blocks (fixed::ReferencePreconditioner): of each node the inverse
 // of its block of the matrix, adjugate * 2^(MatrixBits + InverseBits) / determinant, rounded to nearest
 // and halved until all nine words fit; of a block that is not positive definite the inverse diagonal.
-// Orders, and which rows are counted, are those of inverse_maker.sv.
 //
 // A node takes the clocks of six quotients: the cofactors and the determinant are formed a product a
-// clock, then a serial divider makes the six words that are different. An order for one node, and one
-// for all, take PhaseClocks more.
+// clock, then a serial divider makes the six words that are different. An order for one node takes
+// PhaseClocks more, as one for all does (inverse_order.sv).
 `default_nettype none
 
 module block_inverse_maker
@@ -19,14 +18,13 @@ module block_inverse_maker
     input wire clock,
     input wire reset,
     input wire [NodeBits:0] nodes,
-    input wire all,                        // an order for all nodes
-    input wire one,                        // or for one, whose block is there
+    input wire all,
+    input wire one,
     input wire [NodeBits-1:0] edited_node,
-    output logic busy,
-    // Of an order for all: the editor looks up the block of `node`.
+    output wire busy,
     output wire inverts_all,
-    output logic look,
-    output logic [NodeBits-1:0] node,
+    output wire look,
+    output wire [NodeBits-1:0] node,
     input wire looked,
     input wire [2:0][2:0][MatrixBits-1:0] own_block,
     // The memory of P^-1, of which a row's words, each a sign and a magnitude, come two clocks behind
@@ -35,7 +33,7 @@ module block_inverse_maker
     output logic write,
     output logic [2:0][WideBits-1:0] words,
     input wire [2:0][WideBits-1:0] old_words,
-    output logic [5:0] shift
+    output wire [5:0] shift
 );
 
   localparam int M = MatrixBits;
@@ -43,18 +41,12 @@ module block_inverse_maker
   localparam int DeterminantBits = 3 * M;
   localparam int Steps = CofactorBits + M + InverseBits;  // bits of the numerator
   localparam int StepBits = $clog2(Steps);
-  localparam int NodeClocks = 6 * DivisionClocks;
-  localparam int ClockBits = $clog2(NodeClocks + PhaseClocks + 1);
-  localparam int CountBits = NodeBits + 2;      // of three rows a node
-  localparam int LookUp = 3;                    // clocks for which the node's number holds still before
   localparam int LimitBits = 29;                // of a magnitude in P^-1
   localparam int Lengths = WideBits + 2;        // rows add up to 0 to 33 bits
   localparam int Products = 15;                 // two a cofactor, three for the determinant
 
   typedef enum logic [3:0] {
     Wait,
-    HoldNode,
-    Look,
     Multiply,
     Decide,
     Load,
@@ -65,15 +57,32 @@ module block_inverse_maker
     AddUp,
     Write,
     CountOld,
-    CountNew,
-    Rest,
-    Drain
+    CountNew
   } state_t;
   state_t state;
 
-  logic of_all;
-  logic [ClockBits-1:0] clocks;  // that are left of the node, or until the pipelines are empty
-  logic [NodeBits:0] left;       // nodes
+  wire last_component = component == 2'd2;
+  wire begins, of_all;
+  inverse_order #(
+      .NodeBits(NodeBits),
+      .PhaseClocks(PhaseClocks),
+      .NodeClocks(6 * DivisionClocks),
+      .OneMore(PhaseClocks)
+  ) order (
+      .clock,
+      .reset,
+      .nodes,
+      .all,
+      .one,
+      .edited_node,
+      .busy,
+      .of_all,
+      .look,
+      .node,
+      .looked,
+      .begins,
+      .made(state == CountNew && last_component)
+  );
   assign inverts_all = busy && of_all;
 
   // ---- Cofactors and determinant. The entries of a symmetric block are numbered 00, 01, 02, 11, 12, 22.
@@ -113,7 +122,7 @@ module block_inverse_maker
       default: {left_factor, right_factor} <= {a02, cofactor[2]};
     endcase
     product <= left_factor * right_factor;
-    if (state == Look || state == Wait || state == HoldNode) determinant <= '0;
+    if (begins) determinant <= '0;
     if (product_valid2) begin
       if (product_number2 >= 4'd12) begin
         determinant <= determinant + product;
@@ -166,42 +175,27 @@ module block_inverse_maker
   end
 
   // ---- Rows by the bits of what their magnitudes add up to.
-  logic [CountBits-1:0] rows[Lengths];
-  logic [Lengths-1:0] some;  // there are rows of this length
   logic [WideBits:0] new_sum, old_sum;
   function automatic logic [5:0] length(input logic [WideBits:0] value);
     length = '0;
     for (int i = 0; i <= WideBits; ++i) if (value[i]) length = 6'(i + 1);
   endfunction
   logic [5:0] old_length, new_length;
-  wire [5:0] counted_length = state == CountOld ? old_length : new_length;
-  wire [CountBits-1:0] count = some[counted_length] ? rows[counted_length] : '0;
-  wire [CountBits-1:0] count_now = state == CountOld ? count - 1'b1 : count + 1'b1;
-  wire counts = state == CountOld || state == CountNew;
-  always_ff @(posedge clock) begin
-    if (counts) begin
-      rows[counted_length] <= count_now;
-      some[counted_length] <= count_now != '0;
-    end
-    if (all) some <= '0;
-    shift <= '0;
-    for (int i = 0; i < Lengths; ++i) if (some[i]) shift <= 6'(i);
-  end
+  row_lengths #(
+      .CountBits(NodeBits + 2),
+      .Lengths(Lengths)
+  ) lengths (
+      .clock,
+      .clear(all),
+      .leaves(state == CountOld),
+      .enters(state == CountNew),
+      .length(state == CountOld ? old_length : new_length),
+      .shift
+  );
 
   always_ff @(posedge clock) begin
-    look <= 1'b0;
     write <= 1'b0;
-    if (clocks != '0) clocks <= clocks - 1'b1;
     case (state)
-      Wait: ;
-      HoldNode: begin
-        steps <= steps - 1'b1;
-        if (steps == '0) begin
-          look <= 1'b1;
-          state <= Look;
-        end
-      end
-      Look: if (looked) state <= Multiply;
       Multiply: begin
         product_number <= product_number + 1'b1;
         // The last product is summed with the edge that follows its second register.
@@ -268,71 +262,22 @@ module block_inverse_maker
       CountOld: state <= CountNew;
       CountNew: begin
         component <= component + 1'b1;
-        state <= component == 2'd2 ? Rest : AddUp;
+        state <= last_component ? Wait : AddUp;
       end
-      Rest: ;
-      Drain: if (clocks == ClockBits'(1)) begin
-        busy <= 1'b0;
-        state <= Wait;
-      end
-      default: state <= Wait;
+      default: ;
     endcase
-    // The node's clocks are over.
-    if (state == Rest && clocks == ClockBits'(1)) begin
-      if (!of_all) begin
-        busy <= 1'b0;
-        state <= Wait;
-      end else if (left == (NodeBits + 1)'(1)) begin
-        clocks <= ClockBits'(PhaseClocks);
-        state <= Drain;
-      end else begin
-        left <= left - 1'b1;
-        node <= node + 1'b1;
-        begin_node();
-      end
-    end
-    if (all) begin
-      busy <= 1'b1;
-      of_all <= 1'b1;
-      node <= '0;
-      left <= nodes;
-      begin_node();
-      if (nodes == '0) begin
-        clocks <= ClockBits'(1);
-        state <= Drain;
-      end
-    end
-    if (one) begin
-      busy <= 1'b1;
-      of_all <= 1'b0;
-      node <= edited_node;
-      begin_node();
-      clocks <= ClockBits'(NodeClocks + PhaseClocks);
+    if (begins) begin
+      component <= '0;
+      product_number <= '0;
       state <= Multiply;
     end
+    if (all) state <= Wait;
     if (reset) begin
-      busy <= 1'b0;
-      look <= 1'b0;
       write <= 1'b0;
       state <= Wait;
     end
   end
 
-  task automatic begin_node();
-    clocks <= ClockBits'(NodeClocks);
-    component <= '0;
-    product_number <= '0;
-    steps <= StepBits'(LookUp);
-    state <= HoldNode;
-  endtask
-
-`ifndef SYNTHESIS
-  always_ff @(posedge clock) begin
-    if (busy && !reset && state != Rest && state != Drain && clocks == ClockBits'(1)) begin
-      $error("a node's words of the inverse block are not made in time");
-    end
-  end
-`endif
   wire unused = &{1'b0, own_block, cofactor_size, determinant};
 
 endmodule

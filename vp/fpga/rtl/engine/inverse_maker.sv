@@ -1,13 +1,9 @@
 // P^-1 of Jacobi's preconditioner (fixed::ReferencePreconditioner): of each row of the matrix
 // 2^(MatrixBits + InverseBits) / diagonal, rounded to nearest, at most the largest word; zero where
-// the diagonal is not positive. Of all nodes, whose rows the matrix editor looks up, or of the node
-// that it has changed (engine::MatrixEditor).
+// the diagonal is not positive.
 //
 // A node takes the clocks of three divisions, in which the serial divider makes its three words; the
-// first of them pass while the node's row is looked up. An order for all nodes takes PhaseClocks more.
-//
-// z = P^-1 r drops as many bits as the longest word of P^-1 has: rows are counted by the length of
-// their word, so that no order looks at all of them.
+// first of them pass while the node's row is looked up (inverse_order.sv).
 `default_nettype none
 
 module inverse_maker
@@ -21,14 +17,13 @@ module inverse_maker
     input wire clock,
     input wire reset,
     input wire [NodeBits:0] nodes,
-    input wire all,                        // an order for all nodes
-    input wire one,                        // or for one, whose diagonal is there
+    input wire all,
+    input wire one,
     input wire [NodeBits-1:0] edited_node,
-    output logic busy,
-    // Of an order for all: the editor looks up the diagonal of `node`.
+    output wire busy,
     output wire inverts_all,
-    output logic look,
-    output logic [NodeBits-1:0] node,
+    output wire look,
+    output wire [NodeBits-1:0] node,
     input wire looked,
     input wire [2:0][MatrixBits-1:0] diagonal,
     // The memory of P^-1, whose words come two clocks behind the address.
@@ -36,34 +31,43 @@ module inverse_maker
     output logic write,
     output logic [WideBits-2:0] word,
     input wire [WideBits-2:0] old_word,
-    output logic [5:0] shift
+    output wire [5:0] shift
 );
 
   localparam int Steps = MatrixBits + InverseBits + 1;  // bits of the numerator
   localparam int StepBits = $clog2(Steps);
-  localparam int NodeClocks = 3 * DivisionClocks;
-  localparam int ClockBits = $clog2(NodeClocks + 1);
-  localparam int CountBits = NodeBits + 2;  // of three rows a node
-  localparam int LookUp = 3;                // clocks for which the node's number holds still before
 
-  typedef enum logic [3:0] {
+  typedef enum logic [2:0] {
     Wait,
-    HoldNode,
-    Look,
     Load,
     Step,
     Round,
     Write,
     CountOld,
-    CountNew,
-    Rest,
-    Drain
+    CountNew
   } state_t;
   state_t state;
-
-  logic of_all;
-  logic [ClockBits-1:0] clocks;  // that are left of the node, or until the pipelines are empty
-  logic [NodeBits:0] left;       // nodes
+  wire last_component = component == 2'd2;
+  wire begins, of_all;
+  inverse_order #(
+      .NodeBits(NodeBits),
+      .PhaseClocks(PhaseClocks),
+      .NodeClocks(3 * DivisionClocks)
+  ) order (
+      .clock,
+      .reset,
+      .nodes,
+      .all,
+      .one,
+      .edited_node,
+      .busy,
+      .of_all,
+      .look,
+      .node,
+      .looked,
+      .begins,
+      .made(state == CountNew && last_component)
+  );
   assign inverts_all = busy && of_all;
 
   // ---- The divider: a bit of 2^(Steps - 1) a clock.
@@ -83,43 +87,27 @@ module inverse_maker
     assign too_long = 1'b0;
   end
 
-  // ---- Rows by the length of their word.
-  logic [CountBits-1:0] rows[WideBits];
-  logic [WideBits-1:0] some;  // there are rows of this length
+  // ---- Rows by the length of their word: `word` is there with the state behind Write.
   function automatic logic [4:0] length(input logic [WideBits-2:0] value);
     length = '0;
     for (int i = 0; i < WideBits - 1; ++i) if (value[i]) length = 5'(i + 1);
   endfunction
-  logic [4:0] old_length, new_length;
-  wire [4:0] counted_length = state == CountOld ? old_length : new_length;
-  wire [CountBits-1:0] count = some[counted_length] ? rows[counted_length] : '0;
-  wire [CountBits-1:0] count_now = state == CountOld ? count - 1'b1 : count + 1'b1;
-  wire counts = state == CountOld || state == CountNew;
-  always_ff @(posedge clock) begin
-    if (counts) begin
-      rows[counted_length] <= count_now;
-      some[counted_length] <= count_now != '0;
-    end
-    if (all) some <= '0;
-    shift <= '0;
-    for (int i = 0; i < WideBits; ++i) if (some[i]) shift <= 6'(i);
-  end
+  logic [4:0] old_length;
+  row_lengths #(
+      .CountBits(NodeBits + 2),
+      .Lengths(WideBits)
+  ) lengths (
+      .clock,
+      .clear(all),
+      .leaves(state == CountOld),
+      .enters(state == CountNew),
+      .length(state == CountOld ? old_length : length(word)),
+      .shift
+  );
 
-  wire last_component = component == 2'd2;
   always_ff @(posedge clock) begin
-    look <= 1'b0;
     write <= 1'b0;
-    if (clocks != '0) clocks <= clocks - 1'b1;
     case (state)
-      Wait: ;
-      HoldNode: begin
-        steps <= steps - 1'b1;
-        if (steps == '0) begin
-          look <= 1'b1;
-          state <= Look;
-        end
-      end
-      Look: if (looked) state <= Load;
       Load: begin
         divisor <= diagonal[component];
         rest <= '0;
@@ -146,72 +134,20 @@ module inverse_maker
       CountOld: state <= CountNew;
       CountNew: begin
         component <= component + 1'b1;
-        state <= last_component ? Rest : Load;
+        state <= last_component ? Wait : Load;
       end
-      Rest: ;
-      Drain: if (clocks == ClockBits'(1)) begin
-        busy <= 1'b0;
-        state <= Wait;
-      end
-      default: state <= Wait;
+      default: ;
     endcase
-    // The node's clocks are over.
-    if (state == Rest && clocks == ClockBits'(1)) begin
-      if (!of_all) begin
-        busy <= 1'b0;
-        state <= Wait;
-      end else if (left == (NodeBits + 1)'(1)) begin
-        clocks <= ClockBits'(PhaseClocks);
-        state <= Drain;
-      end else begin
-        left <= left - 1'b1;
-        node <= node + 1'b1;
-        begin_node();
-      end
-    end
-    if (all) begin
-      busy <= 1'b1;
-      of_all <= 1'b1;
-      node <= '0;
-      left <= nodes;
-      begin_node();
-      if (nodes == '0) begin
-        clocks <= ClockBits'(1);
-        state <= Drain;
-      end
-    end
-    if (one) begin
-      busy <= 1'b1;
-      of_all <= 1'b0;
-      node <= edited_node;
-      begin_node();
+    if (begins) begin
+      component <= '0;
       state <= Load;
     end
+    if (all) state <= Wait;
     if (reset) begin
-      busy <= 1'b0;
-      look <= 1'b0;
       write <= 1'b0;
       state <= Wait;
     end
   end
-
-  task automatic begin_node();
-    clocks <= ClockBits'(NodeClocks);
-    component <= '0;
-    steps <= StepBits'(LookUp);
-    state <= HoldNode;
-  endtask
-
-  // The length of the word that is written: `word` is there with the state behind Write.
-  assign new_length = length(word);
-
-`ifndef SYNTHESIS
-  always_ff @(posedge clock) begin
-    if (busy && !reset && state != Rest && state != Drain && clocks == ClockBits'(1)) begin
-      $error("a node's words of the inverse diagonal are not made in time");
-    end
-  end
-`endif
 
 endmodule
 
