@@ -12,7 +12,7 @@ namespace {
 
 // Look-up tables that yosys needs for each that is counted below, over the engines that calibrate
 // them; docs/synthesis.md has the same figures from its measurements.
-constexpr double kPartition = 1.17;
+constexpr double kPartition = 1.13;
 constexpr double kBanks = 0.74;
 constexpr double kLane = 0.84;
 constexpr double kCollector = 1.03;
@@ -24,7 +24,7 @@ constexpr double kStopTest = 1.25;
 constexpr double kEditor = 0.87;
 constexpr double kInverse = 1.29;
 constexpr double kSettings = 1.04;
-constexpr double kBetween = 0.19;
+constexpr double kBetween = 0.34;
 
 constexpr int kExponentBits = 22;
 constexpr int kTermBits = 40;      // of a re-scaling
@@ -94,16 +94,19 @@ class EngineLogic {
     all.tables += rows * adder_tree_bits(a_.package, e_.product);
     // What goes beside them: the row's node, and the words of d there.
     all.registers += 12 + 6 * e_.node + 18 + 18 * w_.vector_bits + (one_turn() ? 0 : 12);
+    all.registers += std::int64_t{3} * e_.package_nodes;  // which node is the row's own
     all.registers += 3 * e_.sum + 3 * w_.vector_bits + e_.queue + 1;
     all.tables += 3 * e_.sum;
     return all;
   }
 
-  // Index words that are read ahead, and counters of packages and rows.
+  // Index words that are read ahead, and counters of packages and rows. Behind the package's first
+  // rank there is no need of its nodes.
   UnitLogic issue() const {
     const int index = e_.index + 1 + (one_turn() ? 0 : 2);
     return {2 * e_.index + 5 * e_.package + 2 * (e_.queue + 1) + 15,
-            2 * index + 2 * e_.index + 3 * e_.package + e_.queue + 10 + (row_turns() > 1 ? 4 : 0)};
+            2 * index + e_.index + e_.node + 3 + 3 * e_.package + e_.queue + 10 +
+                (row_turns() > 1 ? 4 : 0)};
   }
 
   // A column's word of d is that of the first, second or third component; a row's turn chooses its
@@ -117,7 +120,9 @@ class EngineLogic {
   }
 
   // The ports of the memories of d: addresses of a product or of a pass, and of both halves of a
-  // clock.
+  // clock. Each component has its own registers at the ports of a double-pumped memory, and keeps
+  // all words that a product reads; behind a crossbar they are chosen before the ports, and the
+  // words of the first half are kept.
   UnitLogic direction() const {
     const std::int64_t sets = direct() ? 1 : 3;  // of addresses: one for all components, or each
     const std::int64_t written = std::int64_t{3} * a_.nodes_per_clock * w_.vector_bits;
@@ -127,8 +132,12 @@ class EngineLogic {
       const int copies = a_.direction_memory == DirectionMemory::two_copies ? 2 : 1;
       return {address * copies * 4, address * copies * 2 + written + 2 * banks};
     }
+    if (direct()) {
+      const int kept = accesses() > 2 ? 3 * accesses() * w_.vector_bits : 0;
+      return {address * 8, address * 8 + written + kept + a_.nodes_per_clock + 9};
+    }
     const std::int64_t kept = accesses() > 2 ? std::int64_t{6} * w_.vector_bits * banks : 0;
-    return {address * (direct() ? 8 : 4), address * 4 + written + kept + a_.nodes_per_clock + 5};
+    return {address * 4, address * 4 + written + kept + a_.nodes_per_clock + 5};
   }
 
   // Nodes are dealt to banks and turns, each component by itself: ports as above, which read of its

@@ -35,6 +35,7 @@ class EnginePaths {
   void all() {
     issue();
     read_direction();
+    deal_direction();
     multiply();
     add();
     collect();
@@ -60,9 +61,7 @@ class EnginePaths {
   // Index memory -> address of d -> word of d.
   void read_direction() {
     const bool pumped = a_.direction_memory == DirectionMemory::double_pumped;
-    path_.begin("index to the address of d").from_memory(output_register());
-    if (a_.direction_banks > 1) path_.multiplexer(a_.package);
-    take_(path_.to_register());
+    take_(path_.begin("index to the address of d").from_memory(output_register()).to_register());
     path_.begin("address into the memory of d");
     if (pumped) path_.twice_a_clock();
     path_.from_register();
@@ -73,6 +72,33 @@ class EnginePaths {
               .twice_a_clock()
               .from_memory(output_register())
               .to_register());
+  }
+
+  // Where a port of a memory of d is not always the same node's: nodes to the ports of their banks,
+  // and words back (bank_reads.sv, direction_copy.sv).
+  void deal_direction() {
+    const int nodes = nodes_in_package(a_.package);
+    const int accesses = a_.direction_accesses();
+    const bool turns = nodes > accesses;
+    if (a_.direction_banks == 1 && !turns) return;
+    // A node's port is its own where its bank serves it: known before its number is; and in the
+    // turn of that number.
+    const int port_bits = 2 + levels_over(nodes) + (turns ? 2 : 0);
+    take_(path_.begin("node of a package to its bank of d")
+              .from_register()
+              .gates(2 * bits_of(nodes_))  // is it the node before, whose word serves for both?
+              .gates(2 * (nodes - 1))      // how many before it are in its bank
+              .multiplexer(nodes)          // the number of the node that it repeats
+              .gates(port_bits)
+              .gates(2 * nodes)  // a port's node
+              .to_register());
+    // A double-pumped memory's last words come half a clock before the operands.
+    path_.begin("word of d from its bank");
+    if (a_.direction_memory == DirectionMemory::double_pumped) path_.twice_a_clock();
+    path_.from_memory(output_register())
+        .multiplexer(a_.direction_banks * std::min(nodes, accesses));
+    if (turns) path_.multiplexer(2);  // or the one of an earlier turn
+    take_(path_.multiplexer(3).to_register());
   }
 
   void multiply() {

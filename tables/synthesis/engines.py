@@ -40,6 +40,9 @@ def _engines() -> tuple[Engine, ...]:
 ENGINES: Final = _engines()
 
 
+PLACED: Final = (
+    *("partition", "lane", "row collector", "sums", "divider", "scaler", "stop test", "editor"),
+)
 # Of P^-1, by the number of the preconditioner.
 MAKERS: Final = ("inverse_maker", "block_inverse_maker")
 
@@ -59,6 +62,10 @@ class Block:
         if self.module in MAKERS:
             return int(engine.parameters["Preconditioner"] == MAKERS.index(self.module) + 1)
         return 3 * engine.parameters["Lanes"] if self.name == "lane" else 1
+
+    def is_placed(self, engine: Engine) -> bool:
+        """And routed: a whole engine would take hours."""
+        return engine.placed and self.name in PLACED
 
 
 _SEQUENCER: Final = "engine.sequence_of_passes"

@@ -18,6 +18,7 @@ from pathlib import Path
 
 from engines import BLOCKS, ENGINES, HERE, WHOLE, Engine, blocks_of
 from measure import rows_of
+from nextpnr_runs import OPTIONS
 from yosys_runs import (
     BLOCK_RAM,
     SOURCES,
@@ -70,7 +71,8 @@ def stale(engine: Engine, folder: Path) -> list[str]:
     return [
         block.name
         for block in blocks_of(engine)
-        if known.get((engine.name, block.name), {}).get("sources") != fingerprint(block, folder)
+        if known.get((engine.name, block.name), {}).get("sources")
+        != fingerprint(block, folder, OPTIONS if block.is_placed(engine) else ())
     ]
 
 

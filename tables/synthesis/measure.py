@@ -17,15 +17,13 @@ from dataclasses import asdict
 from pathlib import Path
 
 from engines import ENGINES, HERE, Block, Engine, blocks_of
-from nextpnr_runs import place_and_route
+from nextpnr_runs import OPTIONS, place_and_route
 from yosys_runs import Cells, file_of, fingerprint, read_engine, synthesise, tools
 
 COLUMNS = (
     *("engine", "block", "count", "sources", "luts", "carries", "registers", "memories"),
     *("ram", "multipliers", "clock_mhz", "path", "half_clock_ns", "half_path"),
 )
-# Placing a whole engine takes hours: these blocks are placed and routed, one by one.
-PLACED = ("partition", "lane", "row collector", "sums", "divider", "scaler", "stop test", "editor")
 Row = dict[str, str]
 
 
@@ -59,18 +57,13 @@ def measure(engine: Engine, block: Block, folder: Path, results: Path, places: b
     name = file_of(block)
     row = kept(results.with_suffix(".cells"), lambda: synthesise(block, folder))
     cells = Cells(**{key: int(value) for key, value in row.items()})
-    if places and block.name in PLACED and engine.placed:
+    if places and block.is_placed(engine):
         if not (folder / f"{name}.json").exists():
             synthesise(block, folder)
         timing = kept(results.with_suffix(".timing"), lambda: place_and_route(name, cells, folder))
         row = row | timing
     tell(f"{engine.name}: {block.name}: {cells.logic} LUTs, {time.monotonic() - started:.0f} s")
     return row
-
-
-def whole(row: Row, engine: Engine) -> bool:
-    """It has a clock where it should."""
-    return not (engine.placed and row["block"] in PLACED) or row["clock_mhz"] != ""
 
 
 def measured(
@@ -82,9 +75,12 @@ def measured(
         folder = Path(name)
         read_engine(engine, folder)
         for block in blocks_of(engine):
-            sources = fingerprint(block, folder)
+            placed = block.is_placed(engine)
+            sources = fingerprint(block, folder, OPTIONS if placed else ())
             before = known.get((engine.name, block.name))
-            if before is not None and before["sources"] == sources and whole(before, engine):
+            known_here = before is not None and before["sources"] == sources
+            # It has a clock where it should.
+            if before is not None and known_here and (not placed or before["clock_mhz"] != ""):
                 rows.append(before)
                 continue
             values = measure(engine, block, folder, build / "synthesised" / sources, places)

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <string>
 #include <vector>
 
@@ -22,6 +23,13 @@ struct SynthesisedBlock {
   std::string path;
   double half_clock_ns = 0;  // of the longest path between the two clocks; 0: none
   std::string half_path;
+
+  // What paths between the two clocks allow, which have half a period; 0: there are none.
+  double between_mhz() const { return half_clock_ns > 0 ? 500 / half_clock_ns : 0; }
+  // What all paths allow.
+  double slowest_mhz() const {
+    return half_clock_ns > 0 ? std::min(clock_mhz, between_mhz()) : clock_mhz;
+  }
 };
 
 // An engine of tables/synthesis/engines.csv, as engine.sv is built with these parameters: with as

@@ -158,12 +158,12 @@ std::string units_table(const std::vector<SynthesisedEngine>& engines) {
 
 std::string clocks_table(const SynthesisedEngine& e) {
   MarkdownTable table(
-      {"block", "MHz", "longest path, from and to", "between the clocks, ns", "its path"});
+      {"block", "MHz", "longest path, from and to", "between the clocks, MHz", "its path"});
   for (const SynthesisedBlock& b : e.blocks) {
     if (b.clock_mhz <= 0) continue;
     const bool half = b.half_clock_ns > 0;
     table.add({b.name, fmt::format("{:.1f}", b.clock_mhz), "`" + b.path + "`",
-               half ? fmt::format("{:.2f}", b.half_clock_ns) : "",
+               half ? fmt::format("{:.1f}", b.between_mhz()) : "",
                half ? "`" + b.half_path + "`" : ""});
   }
   return table.text();
@@ -177,14 +177,14 @@ std::string clocks(const std::vector<SynthesisedEngine>& engines) {
     const SynthesisedBlock* slowest = nullptr;
     for (const SynthesisedBlock& b : e.blocks) {
       if (b.clock_mhz <= 0) continue;
-      if (slowest == nullptr || b.clock_mhz < slowest->clock_mhz) slowest = &b;
+      if (slowest == nullptr || b.slowest_mhz() < slowest->slowest_mhz()) slowest = &b;
     }
     if (slowest == nullptr) continue;
     const accel::CriticalPath path = accel::critical_path(
         {devices::built_in(e.architecture.device), e.architecture, e.words, e.size.nodes});
     const double mhz = path.highest_clock_hz * 1e-6;
-    table.add({name_of(e), slowest->name, fmt::format("{:.1f}", slowest->clock_mhz),
-               fmt::format("{:.1f}", mhz), error(mhz, slowest->clock_mhz),
+    table.add({name_of(e), slowest->name, fmt::format("{:.1f}", slowest->slowest_mhz()),
+               fmt::format("{:.1f}", mhz), error(mhz, slowest->slowest_mhz()),
                std::string(path.paths.front().name)});
     each += fmt::format("\n### {}\n\n", e.name) + clocks_table(e);
   }
@@ -224,7 +224,7 @@ Registers are counted one by one and have no coefficient.
 
 Blocks placed and routed, each by itself and with one seed: paths from and to a block's ports are not
 among those that limit its clock. Paths between the engine's clock and the one of twice its frequency
-have half a period.
+have half a period: the slowest of both is the block's.
 
 )";
   page += clocks(engines);

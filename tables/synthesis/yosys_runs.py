@@ -98,9 +98,9 @@ def tools() -> str:
     return " ".join(f"{name} {metadata.version(name)}" for name in names)
 
 
-def fingerprint(block: Block, folder: Path) -> str:
-    """Of what the block is and what is done with it: other comments, lines and names of the parts
-    that yosys numbers leave it as it is."""
+def fingerprint(block: Block, folder: Path, placing: tuple[str, ...]) -> str:
+    """Of what the block is and what is done with it, with the options of its placing if it is
+    placed: other comments, lines and names of the parts that yosys numbers leave it as it is."""
     numbers: dict[str, str] = {}
     text = re.sub(
         r"\$\d+",
@@ -110,7 +110,8 @@ def fingerprint(block: Block, folder: Path) -> str:
     # The first line names the version of yosys, the last ones of `autoidx` what it counted; where
     # the black boxes' source lies is the checkout's.
     text = re.sub(r"^(#.*|autoidx .*|\s*attribute \\src .*)$", "", text, flags=re.MULTILINE)
-    return hashlib.sha256(f"{SYNTHESIS}\n{tools()}\n{text}".encode()).hexdigest()[:16]
+    made = f"{SYNTHESIS}\n{' '.join(placing)}\n{tools()}\n{text}"
+    return hashlib.sha256(made.encode()).hexdigest()[:16]
 
 
 def synthesise(block: Block, folder: Path) -> Cells:

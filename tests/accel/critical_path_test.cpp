@@ -113,6 +113,96 @@ TEST(CriticalPath, WiderIsNeverFaster) {
   never_faster("nodes", [](auto&, auto&, int& n, int v) { n = v; }, {2, 100, 500, 1000, 9000});
 }
 
+const Path* path_named(const CriticalPath& critical, std::string_view name) {
+  const auto found = std::ranges::find(critical.paths, name, &Path::name);
+  return found == critical.paths.end() ? nullptr : &*found;
+}
+
+constexpr std::string_view kNodeToBank = "node of a package to its bank of d";
+constexpr std::string_view kWordFromBank = "word of d from its bank";
+
+// vp/fpga/rtl/engine/bank_reads.sv and direction_copy.sv: engine `rows` of tables/synthesis, with
+// three nodes of seven bits a package and eight banks, in look-up tables of four inputs.
+TEST(CriticalPath, NodesGoToTheirBanksAndWordsComeBack) {
+  Architecture a;
+  a.package = 7;
+  a.direction_banks = 8;
+  const CriticalPath critical = critical_path({devices::built_in("LFE5U-85F"), a, {}, 127});
+  const Path* node = path_named(critical, kNodeToBank);
+  ASSERT_NE(node, nullptr);
+  using enum ElementKind;
+  EXPECT_EQ(kinds(*node), (std::vector{clock_to_out, gates, gates,  // 14 bits of two nodes
+                                       gates,        // two nodes before, each counted and alike
+                                       multiplexer,  // three numbers
+                                       gates,  // two bits of a number, is it read, is it the bank
+                                       gates, gates,  // three nodes, each chosen or not
+                                       set_up}));
+  EXPECT_EQ(node->transfers_per_clock, 1);
+  const Path* word = path_named(critical, kWordFromBank);
+  ASSERT_NE(word, nullptr);
+  // Of 24 ports, and of three components.
+  EXPECT_EQ(kinds(*word), (std::vector{memory_register, multiplexer, multiplexer, multiplexer,
+                                       multiplexer, multiplexer, set_up}));
+  EXPECT_EQ(word->transfers_per_clock, 2);
+  a.direction_memory = DirectionMemory::two_copies;
+  const CriticalPath copies = critical_path({devices::built_in("LFE5U-85F"), a, {}, 127});
+  EXPECT_EQ(path_named(copies, kWordFromBank)->transfers_per_clock, 1);
+}
+
+// A port that is always the same node's has neither.
+TEST(CriticalPath, OnlyWhatIsDealtHasBanks) {
+  const auto dealt = [](int banks, int package, DirectionMemory memory) {
+    Architecture a;
+    a.direction_banks = banks;
+    a.package = package;
+    a.direction_memory = memory;
+    const CriticalPath critical = critical_path({thesis_device(), a, {}, 500});
+    const bool node = path_named(critical, kNodeToBank) != nullptr;
+    EXPECT_EQ(node, path_named(critical, kWordFromBank) != nullptr);
+    return node;
+  };
+  using enum DirectionMemory;
+  EXPECT_FALSE(dealt(1, 8, double_pumped));
+  EXPECT_FALSE(dealt(1, 8, two_copies));
+  EXPECT_FALSE(dealt(1, 4, stall));
+  EXPECT_TRUE(dealt(1, 8, stall));  // four nodes, two accesses
+  EXPECT_TRUE(dealt(1, 16, double_pumped));
+  EXPECT_TRUE(dealt(2, 4, double_pumped));
+}
+
+// More banks or longer packages are never faster; packages of whole nodes touch a node less, so
+// that the lengths have the same remainder.
+TEST(CriticalPath, MoreToDealIsNeverFaster) {
+  using enum DirectionMemory;
+  for (const std::string_view name : devices::built_in_names()) {
+    for (const DirectionMemory memory : {double_pumped, two_copies, stall}) {
+      const auto clock = [&](int banks, int package) {
+        Architecture a;
+        a.direction_banks = banks;
+        a.package = package;
+        a.direction_memory = memory;
+        return highest_clock({devices::built_in(name), a, {}, 500});
+      };
+      for (const int package : {4, 7, 10, 13, 16, 64}) {
+        for (int banks = 1; banks < 64; banks *= 2) {
+          EXPECT_LE(clock(2 * banks, package), clock(banks, package))
+              << 2 * banks << " banks on " << name;
+        }
+      }
+      for (int banks = 1; banks <= 64; banks *= 2) {
+        for (int package = 4; package < 64; package += 3) {
+          EXPECT_LE(clock(banks, package + 3), clock(banks, package))
+              << "packages of " << package + 3 << " on " << name;
+        }
+      }
+    }
+  }
+  // Not in vain: there they limit the clock.
+  Architecture a;
+  a.direction_banks = 64;
+  EXPECT_EQ(critical_path({thesis_device(), a, {}, 500}).paths.front().name, kWordFromBank);
+}
+
 // A rank more, and a clock more for the whole pipeline, so that no other part gives one up.
 TEST(CriticalPath, ARegisterIsNeverSlower) {
   using Depth = int Architecture::*;

@@ -6,7 +6,8 @@ module double_pumped_pair #(
     parameter int Width = 16,
     parameter int AddressBits = 10,
     parameter int Reads = 4,
-    parameter int Lanes = 2
+    parameter int Lanes = 2,
+    parameter bit AddressesInRegisters = 1'b1
 ) (
     input wire clock,
     input wire clock2,
@@ -28,7 +29,8 @@ module double_pumped_pair #(
       .Width(Width),
       .AddressBits(AddressBits),
       .Reads(Reads),
-      .Lanes(Lanes)
+      .Lanes(Lanes),
+      .AddressesInRegisters(AddressesInRegisters)
   ) behaviour (
       .clock,
       .product,
@@ -44,7 +46,8 @@ module double_pumped_pair #(
       .Width(Width),
       .AddressBits(AddressBits),
       .Reads(Reads),
-      .Lanes(Lanes)
+      .Lanes(Lanes),
+      .AddressesInRegisters(AddressesInRegisters)
   ) blocks (
       .clock,
       .clock2,

@@ -10,6 +10,8 @@
 // Behind it, as it has what Verilator's headers expect.
 #include <Vdouble_pumped_pair.h>
 #include <Vdouble_pumped_pair_deep.h>
+#include <Vdouble_pumped_pair_late.h>
+#include <Vdouble_pumped_pair_two.h>
 
 #include "tests/fixed/elastic_box.h"
 
@@ -31,12 +33,13 @@ class Pair {
 
   Top* operator->() { return &top_; }
 
-  // From an edge of the engine's clock to the next one: the other clock has an edge amid it.
+  // To the next edge of the engine's clock: the other clock has an edge before it, at which the
+  // ports have their values already.
   void tick() {
-    edge(1, 1);
-    edge(1, 0);
     edge(0, 1);
     edge(0, 0);
+    edge(1, 1);
+    edge(1, 0);
   }
 
  private:
@@ -56,18 +59,20 @@ struct Counts {
   int writes = 0;
 };
 
-// Products and passes in any order, each of a few clocks; a word is written in the clock before it
-// is read at the soonest. `addresses` is 2^AddressBits.
+// Products and passes in any order, each of a few clocks, and one with neither before a product; a
+// word is written in the clock before it is read at the soonest. `addresses` is 2^AddressBits.
 template <class Top>
 Counts compare(std::uint64_t seed, int address_bits, int width, int lanes, int clocks) {
   Pair<Top> pair;
   fixed::test::Random random(seed);
   const std::uint64_t addresses = std::uint64_t{1} << address_bits;
   const std::uint64_t word_mask = (std::uint64_t{1} << width) - 1;
-  // Whether the clock's reads are a product's, for those whose words are taken now.
-  std::array<bool, 3> product_before{};
+  enum class Reads { product, pass, none };
+  // What the clocks read, for those whose words are taken now.
+  std::array<Reads, 3> before{Reads::none, Reads::none, Reads::none};
   Counts counts;
   bool product = false;
+  bool idle = false;
   std::uint64_t last_written = 0;
   bool written = false;
   const auto write = [&](std::uint64_t address) {
@@ -86,10 +91,16 @@ Counts compare(std::uint64_t seed, int address_bits, int width, int lanes, int c
   }
   counts.writes = 0;
   for (int i = 0; i < clocks; ++i) {
-    if (random.below(4) == 0) product = !product;
+    if (idle) {
+      product = true;
+      idle = false;
+    } else if (random.below(4) == 0) {
+      idle = !product;
+      product = false;
+    }
     // Reads of words other than those that this clock writes.
     last_written = random.bits() % addresses;
-    written = !product && random.below(2) == 0;
+    written = !product && !idle && random.below(2) == 0;
     pair->write = 0;
     if (written) write(last_written);
     const auto elsewhere = [&] {
@@ -103,26 +114,30 @@ Counts compare(std::uint64_t seed, int address_bits, int width, int lanes, int c
     pair.tick();
     // An address that is seen at an edge has its word taken two edges later.
     if (i >= 4) {
-      if (product_before[1]) {
+      if (before[1] == Reads::product) {
         EXPECT_EQ(pair->word, pair->ecp5_word) << "clock " << i;
         ++counts.products;
-      } else {
+      } else if (before[1] == Reads::pass) {
         EXPECT_EQ(pair->pass_word, pair->ecp5_pass_word) << "clock " << i;
         ++counts.passes;
       }
       if (testing::Test::HasFailure()) break;
     }
-    product_before = {product, product_before[0], product_before[1]};
+    const Reads now = product ? Reads::product : idle ? Reads::none : Reads::pass;
+    before = {now, before[0], before[1]};
   }
   return counts;
 }
 
-// One block of 1024 words, and five of 2048 for one lane and three nodes a package.
+// One block of 1024 words, with addresses out of registers and with others, five of 2048 for one
+// lane and three nodes a package, and one for two nodes, of which a product needs no second half.
 TEST(RtlMemory, BlocksAtTwiceTheClockAreTheMemoryOfD) {
   for (std::uint64_t seed = 1; seed <= 3; ++seed) {
     const Counts one = compare<Vdouble_pumped_pair>(seed, 10, 16, 2, 20'000);
+    const Counts late = compare<Vdouble_pumped_pair_late>(seed, 10, 16, 2, 20'000);
     const Counts deep = compare<Vdouble_pumped_pair_deep>(seed, 11, 20, 1, 20'000);
-    for (const Counts& c : {one, deep}) {
+    const Counts two = compare<Vdouble_pumped_pair_two>(seed, 10, 16, 1, 20'000);
+    for (const Counts& c : {one, late, deep, two}) {
       EXPECT_GT(c.products, 5'000);
       EXPECT_GT(c.passes, 5'000);
       EXPECT_GT(c.writes, 2'000);

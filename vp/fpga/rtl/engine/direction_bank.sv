@@ -11,7 +11,8 @@ module direction_bank #(
     parameter int AddressBits = 9,
     parameter int Memory = 0,  // accel::DirectionMemory
     parameter int Reads = 4,   // up to 4 or, where packages stall, 2
-    parameter int Lanes = 2    // up to 2
+    parameter int Lanes = 2,   // up to 2
+    parameter bit AddressesInRegisters = 1'b1  // a product's
 ) (
     input wire clock,
 `ifdef ECP5
@@ -32,7 +33,8 @@ module direction_bank #(
         .Width(Width),
         .AddressBits(AddressBits),
         .Reads(Reads),
-        .Lanes(Lanes)
+        .Lanes(Lanes),
+        .AddressesInRegisters(AddressesInRegisters)
     ) memory (
         .clock,
 `ifdef ECP5

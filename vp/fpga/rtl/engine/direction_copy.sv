@@ -68,7 +68,8 @@ module direction_copy #(
         .AddressBits(AddressBits),
         .Memory(Memory),
         .Reads(Reads),
-        .Lanes(InBank)
+        .Lanes(InBank),
+        .AddressesInRegisters(Direct)
     ) bank (
         .clock,
 `ifdef ECP5

@@ -5,14 +5,17 @@
 // Addresses are seen at an edge; words come with the next one. This is what the memory does as seen
 // from the engine's clock. A synthesis puts a vendor's block with both its ports and a clock of
 // twice the frequency in its place: tools infer neither from a description. `ECP5` does so for that
-// family. No word is read in the clock after the one that wrote it.
+// family. No word is read in the clock after the one that wrote it, and between a pass and a product
+// there is a clock with neither.
 `default_nettype none
 
 module double_pumped_memory #(
     parameter int Width = 16,
     parameter int AddressBits = 9,
     parameter int Reads = 4,
-    parameter int Lanes = 2
+    parameter int Lanes = 2,
+    // A product's come out of registers, without logic: of use to a synthesis.
+    parameter bit AddressesInRegisters = 1'b1
 ) (
     input wire clock,
 `ifdef ECP5
@@ -33,7 +36,8 @@ module double_pumped_memory #(
       .Width(Width),
       .AddressBits(AddressBits),
       .Reads(Reads),
-      .Lanes(Lanes)
+      .Lanes(Lanes),
+      .AddressesInRegisters(AddressesInRegisters)
   ) memory (
       .clock,
       .clock2,
@@ -47,6 +51,7 @@ module double_pumped_memory #(
       .write_word
   );
 `else
+  wire unused = &{1'b0, AddressesInRegisters};
   logic [Width-1:0] cells[2**AddressBits];
   logic [Reads-1:0][AddressBits-1:0] address;
   logic [Reads-1:0][Width-1:0] read;

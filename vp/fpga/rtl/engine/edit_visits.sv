@@ -51,7 +51,9 @@ module edit_visits #(
   logic [BlockBits+2:0] own_columns;  // of the row at `place`, a clock later
 
   // ---- The own row's index words, until their nodes are looked up.
-  logic [Nodes*NodeBits+1:0] words[2**QueueBits];
+  // In look-up tables, as all that decides about the next look follows on a word: a tool takes a
+  // block RAM where it is not too wide for one, and that takes half of a clock.
+  (* ram_style = "distributed" *) logic [Nodes*NodeBits+1:0] words[2**QueueBits];
   logic [QueueBits-1:0] put, got;
   wire [Nodes*NodeBits+1:0] word = words[got];
   wire [1:0] phase = word[Nodes*NodeBits+:2];

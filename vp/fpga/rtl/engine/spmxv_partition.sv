@@ -141,6 +141,12 @@ module spmxv_partition #(
   always_ff @(posedge clock) begin
     if (running && !there && !reset) $error("a product finds no index word");
   end
+  // double_pumped_memory.sv: a vendor's may need the clock between.
+  logic direction_written;
+  always_ff @(posedge clock) begin
+    direction_written <= direction_write != '0;
+    if (product && direction_written && !reset) $error("a product begins while d is written");
+  end
 `endif
 
   // ---- The turns of a package, which are known when its word is read: of the banks where they have
@@ -188,6 +194,7 @@ module spmxv_partition #(
   logic [PackageBits-1:0] package0;
   logic [IndexBits-1:0] index0, index1;
   logic [1:0] turn0, turn1;  // of the rows
+  logic [2:0][Nodes-1:0] own_node0, own_node1;  // of a component the node that is the row's own
   logic [2:0][Package-1:0][MatrixBits-1:0] words1;
   wire [2:0][Nodes-1:0][VectorBits-1:0] nodes1;  // a component of each node
   always_ff @(posedge clock) begin
@@ -199,6 +206,21 @@ module spmxv_partition #(
     index0 <= edits ? read_index : head;
     issued1 <= issued0 && !reset;
     index1 <= index0;
+    own_node1 <= own_node0;
+  end
+  // The last one that is among the package's columns. It is found before the words are there, so
+  // that they have little behind them.
+  always_comb begin
+    own_node0 = '0;
+    for (int n = 0; n < Nodes; ++n) begin
+      for (int k = 0; k < 3; ++k) begin
+        if (index0[n*NodeBits+:NodeBits] == index0[Nodes*NodeBits+:NodeBits] &&
+            3 * n + k >= int'(index0[IndexBits-2-:2]) &&
+            3 * n + k < int'(index0[IndexBits-2-:2]) + Package) begin
+          own_node0[k] = Nodes'(1) << n;
+        end
+      end
+    end
   end
   for (genvar row = 0; row < 3; ++row) begin : g_row
     // As the index words: what is read while it is written is not used.
@@ -257,12 +279,8 @@ module spmxv_partition #(
     for (int n = 0; n < Nodes; ++n) begin
       for (int k = 0; k < 3; ++k) begin
         in_order[3*n+k] = nodes1[k][n];
-        // The component is among the package's columns.
-        if (index1[n*NodeBits+:NodeBits] == owner1 && 3 * n + k >= int'(phase1) &&
-            3 * n + k < int'(phase1) + Package) begin
-          caught1[k] = 1'b1;
-          own1[k] = nodes1[k][n];
-        end
+        caught1[k] = caught1[k] || own_node1[k][n];
+        own1[k] = own1[k] | (nodes1[k][n] & {VectorBits{own_node1[k][n]}});
       end
     end
   end
@@ -282,13 +300,16 @@ module spmxv_partition #(
   logic [2:0][VectorBits-1:0] own[2:7];
 
   always_ff @(posedge clock) begin
+    // Always, because it would be a net to each bit that says when.
+    for (int c = 0; c < Package; ++c) begin
+      case (phase1)
+        2'd0: factor_d[c] <= in_order[c];
+        2'd1: factor_d[c] <= in_order[c+1];
+        default: factor_d[c] <= in_order[c+2];
+      endcase
+    end
     if (issued1) begin
       for (int c = 0; c < Package; ++c) begin
-        case (phase1)
-          2'd0: factor_d[c] <= in_order[c];
-          2'd1: factor_d[c] <= in_order[c+1];
-          default: factor_d[c] <= in_order[c+2];
-        endcase
         for (int r = 0; r < R; ++r) begin
           for (int t = 0; t < RowTurns; ++t) begin
             if (turn1 == 2'(t) && t * R + r < 3) factor_a[r][c] <= words1[t*R+r<3?t*R+r : 0][c];
