@@ -205,8 +205,8 @@ TEST_F(FlippedEngine, TheCounterOfIterationsDecidesHowManyThereAre) {
   EXPECT_EQ(engine_.report().iterations, 2);
 }
 
-// Of the shortest scalar a division takes every step that there is, and has its end at the same clock
-// though the last rank of zᵀr is up to five clocks late.
+// Of the shortest scalar a division takes every step that there is, and has its end at the same
+// clock though the last rank of zᵀr is up to five clocks late.
 TEST(LateDivider, HasItsEndAtTheSameClock) {
   Settings settings;
   settings.method = fixed::Method::jacobi_pcg;

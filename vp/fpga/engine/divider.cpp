@@ -22,8 +22,8 @@ void Divider::clocked() {
     rescale();
   }
   if (!busy_ || --left_ > 0) return;
-  // Operands that come late leave a re-scaling as many clocks less: it is then made in fewer, with a
-  // multiplier (vp/fpga/rtl/engine/scaler.sv).
+  // Operands that come late leave a re-scaling as many clocks less: it is then made in fewer, with
+  // a multiplier (vp/fpga/rtl/engine/scaler.sv).
   for (int i = 0; i < command_.late && phase_ == Phase::rescale; ++i) rescale();
   if (phase_ != Phase::wait) throw std::logic_error("a division outlasts its clocks");
   busy_ = false;
