@@ -296,11 +296,13 @@ results::Outcome simulate(Scene& scene, const RunOptions& options) {
   vp::PlatformSettings settings =
       platform_settings(scene, waveform ? waveform->tracer_file() : std::string());
   std::optional<results::PartStream> port;
+  std::int64_t port_lines = 0;
   if (s.output.engine_port) {
     port.emplace(directory / "engine-port.txt");
     settings.engine_port = {
-        [&port](char what, std::uint32_t first, std::uint32_t second, std::uint32_t third) {
+        [&](char what, std::uint32_t first, std::uint32_t second, std::uint32_t third) {
           port->write(fmt::format("{} {:x} {:x} {:x}\n", what, first, second, third));
+          ++port_lines;
         },
         s.output.engine_port->frames};
   }
@@ -383,7 +385,11 @@ results::Outcome simulate(Scene& scene, const RunOptions& options) {
   if (deformation) deformation->finish();
   platform.close_waveform();
   if (waveform) waveform->finish();
-  if (port) port->finish();
+  if (port) {
+    // A testbench knows by it that nothing of the record is missing.
+    port->write(fmt::format("z {:x} 0 0\n", port_lines));
+    port->finish();
+  }
   if (rtl_waveform) rtl_waveform->finish();
   results::Outcome outcome =
       outcome_of(platform, scene, latency, *contact,

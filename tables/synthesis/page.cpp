@@ -172,7 +172,8 @@ std::string clocks_table(const SynthesisedEngine& e) {
 std::string clocks(const std::vector<SynthesisedEngine>& engines) {
   MarkdownTable table({"engine", "slowest block", "its clock, MHz", "`hvp device`, MHz", "error",
                        "the model's longest path"});
-  std::string each;
+  std::string each, worst;
+  double most_off = 0;
   for (const SynthesisedEngine& e : engines) {
     const SynthesisedBlock* slowest = nullptr;
     for (const SynthesisedBlock& b : e.blocks) {
@@ -187,8 +188,14 @@ std::string clocks(const std::vector<SynthesisedEngine>& engines) {
                fmt::format("{:.1f}", mhz), error(mhz, slowest->slowest_mhz()),
                std::string(path.paths.front().name)});
     each += fmt::format("\n### {}\n\n", e.name) + clocks_table(e);
+    const double off = std::abs(mhz / slowest->slowest_mhz() - 1);
+    if (off > most_off) {
+      most_off = off;
+      worst =
+          fmt::format("\nLargest error: {} in {}.\n", error(mhz, slowest->slowest_mhz()), e.name);
+    }
   }
-  return table.text() + each;
+  return table.text() + worst + each;
 }
 
 }  // namespace
@@ -200,9 +207,15 @@ std::string synthesis_page(const std::string& folder) {
 ## Area
 
 Of the whole engine, before it is placed; bold names are engines that calibrate nothing. A cell of a
-carry chain counts as the two look-up tables that it takes. The rest of the model's memories and
-multipliers are those that a scenario needs: contacts, places of rows and the lists of the matrix
-editor, and the multipliers of scaler and stop test, are in none of its figures.
+carry chain counts as the two look-up tables that it takes.
+
+`hvp device` here is what it says of an LFE5U-85F with a stop test, the solution before x kept, and as
+many nodes and packages as the engine has addresses for, because `engine.sv` has all of that in any
+case. Of a scenario that asks for less it says less: without stop test and extrapolated start the
+multipliers and memories of these are not in its figures. In none of them are contacts, places of rows
+and the lists of the matrix editor, the multipliers of the scaler, and more than one multiplier for
+each product of zᵀr, of which `engine.sv` takes four: with a preconditioner look here before you choose
+a device.
 
 )";
   page += areas_table(engines);
@@ -224,7 +237,8 @@ Registers are counted one by one and have no coefficient.
 
 Blocks placed and routed, each by itself and with one seed: paths from and to a block's ports are not
 among those that limit its clock. Paths between the engine's clock and the one of twice its frequency
-have half a period: the slowest of both is the block's.
+have half a period: the slowest of both is the block's. No whole engine has been routed, and what
+these have between their blocks is in no figure; engines that are not in the table are not placed.
 
 )";
   page += clocks(engines);

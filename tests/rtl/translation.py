@@ -42,6 +42,12 @@ class Translation:
         return self.prefix.startswith("Vengine_")
 
     @property
+    def parameters(self) -> dict[str, int]:
+        """Of engine.sv."""
+        given = (part[2:].split("=") for part in self.command if part.startswith("-G"))
+        return {name: int(value) for name, value in given}
+
+    @property
     def name(self) -> str:
         return self.prefix.removeprefix("Vengine_") if self.is_engine else self.prefix[1:]
 

@@ -77,6 +77,12 @@ TEST_F(Engine, ATestbenchReplaysThePort) {
   EXPECT_NE(fails, 0);
   EXPECT_THAT(says, HasSubstr("a word of x is "));
   EXPECT_THAT(says, HasSubstr(" 1 of them different"));
+  // A record that is cut off, whole lines of it, and one that has lost a line.
+  const std::size_t end = record.rfind("\nz ") + 1;
+  EXPECT_NE(replayed(record.substr(0, end)).first, 0);
+  EXPECT_THAT(replayed(record.substr(0, end)).second, HasSubstr("the record has no end"));
+  EXPECT_THAT(replayed(record.substr(record.find('\n') + 1)).second,
+              HasSubstr("lines before its end"));
   // A file that ends within a line.
   EXPECT_THAT(replayed("w 0 1").second, HasSubstr("line 1: a letter and three numbers"));
 }

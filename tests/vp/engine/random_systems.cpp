@@ -10,7 +10,7 @@
 namespace hvp::test {
 
 fixed::QuantisedMatrix random_matrix(int nodes, int neighbours, int bits,
-                                     fixed::test::Random& random) {
+                                     fixed::test::Random& random, int alone) {
   const auto limit = static_cast<std::int32_t>(fixed::word_limit(bits));
   std::map<std::pair<int, int>, std::array<std::int32_t, 9>> blocks;
   for (int node = 0; node < nodes; ++node) {
@@ -27,7 +27,7 @@ fixed::QuantisedMatrix random_matrix(int nodes, int neighbours, int bits,
   for (int i = 0; i < pairs; ++i) {
     const int a = random.below(nodes);
     const int b = random.below(nodes);
-    if (a == b) continue;
+    if (a == b || (alone != 0 && (a % alone == 0 || b % alone == 0))) continue;
     auto& block = blocks[{a, b}];
     for (std::int32_t& word : block) {
       word = static_cast<std::int32_t>(random.symmetric() * limit / (4 * neighbours));

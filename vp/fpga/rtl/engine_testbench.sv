@@ -11,6 +11,7 @@
 //   c clocks 0 0            x into the copies of d
 //   f 0 0 0                 the next extrapolated start has no solution before x
 //   x address word 0        a word of x that is read
+//   z lines 0 0             the end, and how many lines come before it
 `default_nettype none
 
 module engine_testbench
@@ -117,6 +118,7 @@ module engine_testbench
   endtask
 
   int line = 0;
+  logic ended = 1'b0;
   int compared = 0;
   int different = 0;
   task automatic expect_equal(input string what, input logic [31:0] found,
@@ -218,10 +220,15 @@ module engine_testbench
           repeat (3) tick();
           expect_equal("a word of x", host_read, second);
         end
+        "z": begin
+          if (first != 32'(line - 1)) $fatal(1, "line %0d: the record had %0d lines before its end", line, first);
+          ended = 1'b1;
+        end
         default: $fatal(1, "line %0d: no letter that is known", line);
       endcase
     end
     if (fields > 0 || $feof(file) == 0) $fatal(1, "line %0d: a letter and three numbers were expected", line + 1);
+    if (!ended) $fatal(1, "line %0d: the record has no end, z and its number of lines", line + 1);
     $display("%0d lines, %0d values compared, %0d of them different", line, compared, different);
     if (different != 0) $fatal(1, "the engine is not that of the run");
     if (compared == 0) $fatal(1, "nothing was compared");

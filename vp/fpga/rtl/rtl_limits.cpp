@@ -128,7 +128,7 @@ void require_buildable(const accel::Architecture& a, const fixed::Settings& s) {
   const auto given = static_cast<int>(a.division(s));
   require(given >= least, "division_clocks",
           a.division_clocks != 0 ? std::to_string(given)
-                                 : "0, which is " + std::to_string(given) + " with these words,",
+                                 : "0, which is " + std::to_string(given) + " with these words",
           "at least " + std::to_string(least));
 }
 
