@@ -19,9 +19,9 @@ import subprocess
 import sys
 import tempfile
 from collections import Counter
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from concurrent.futures import ProcessPoolExecutor
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import partial
 from pathlib import Path
 
@@ -48,6 +48,8 @@ REFUSED = 2
 DRAWS = 40  # of one scenario, each without what was refused in the last
 PREPARED = 6  # of a law's own scenario, where it cannot be had without what it needs
 LAWS_EACH = 3  # of a scenario, in turn
+DRAWN_ON = 4  # scenarios at a time, where those before say nothing of a law
+MOST_DRAWN = 10  # times as many as were asked for
 REFUSAL = re.compile(r"[^:\n]+:(?:\d+:)? ([\w.\[\]]+): [^\n]+\n")
 
 
@@ -66,6 +68,12 @@ class Findings:
     runs: int = 0
     complaints: list[str] = field(default_factory=list)
     asked: Counter[str] = field(default_factory=Counter)  # by law
+
+    def add(self, other: "Findings") -> None:
+        self.drawn += other.drawn
+        self.refused += other.refused
+        self.runs += other.runs
+        self.asked += other.asked
 
 
 @dataclass(frozen=True)
@@ -234,6 +242,22 @@ def look_at(plan: Plan, index: int) -> Findings:
     return findings
 
 
+def look_at_all(plan: Plan, numbers: Sequence[int], total: Findings) -> int:
+    """How many of them failed. What was found is told and added."""
+    failed = 0
+    with ProcessPoolExecutor(int(os.environ.get("HVP_JOBS", os.cpu_count() or 1))) as pool:
+        for index, found in zip(numbers, pool.map(partial(look_at, plan), numbers), strict=True):
+            total.add(found)
+            if found.complaints:
+                failed += 1
+                for text in found.complaints:
+                    print(f"{index}: {text}")
+                kept = plan.keep / f"{plan.seed}-{index}"
+                again = f"{sys.argv[0]} {plan.program} --seed {plan.seed} --only {index}"
+                print(f"  {kept}; again: python3 {again}", flush=True)
+    return failed
+
+
 def main() -> int:
     parser = argparse.ArgumentParser(
         description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
@@ -252,27 +276,25 @@ def main() -> int:
     numbers = [arguments.only] if arguments.only is not None else range(arguments.count)
     plan = Plan(program, tables_of(page.stdout), arguments.seed, laws, each, arguments.keep)
     total = Findings()
-    failed = 0
-    with ProcessPoolExecutor(int(os.environ.get("HVP_JOBS", os.cpu_count() or 1))) as pool:
-        for index, found in zip(numbers, pool.map(partial(look_at, plan), numbers), strict=True):
-            total.drawn += found.drawn
-            total.refused += found.refused
-            total.runs += found.runs
-            total.asked += found.asked
-            if found.complaints:
-                failed += 1
-                for text in found.complaints:
-                    print(f"{index}: {text}")
-                kept = arguments.keep / f"{arguments.seed}-{index}"
-                again = f"{sys.argv[0]} {arguments.hvp} --seed {arguments.seed} --only {index}"
-                print(f"  {kept}; again: python3 {again}", flush=True)
+    failed = look_at_all(plan, numbers, total)
+    looked_at = len(numbers)
+    # A law asks nothing of a scenario that it does not suit, and a short run may draw such alone.
+    while (
+        (unasked := [law for law in laws if not total.asked[law]])
+        and looked_at * each >= len(laws)
+        and looked_at < MOST_DRAWN * len(numbers)
+        and arguments.only is None
+    ):
+        further = range(looked_at, looked_at + DRAWN_ON)
+        of_these = replace(plan, laws=unasked, laws_each=len(unasked))
+        failed += look_at_all(of_these, further, total)
+        looked_at += len(further)
     print(
-        f"{len(numbers)} scenarios, {total.runs} runs; {total.refused} of {total.drawn} drawn were "
+        f"{looked_at} scenarios, {total.runs} runs; {total.refused} of {total.drawn} drawn were "
         f"refused ({100 * total.refused / max(total.drawn, 1):.0f} %); {failed} scenarios failed"
     )
     print("  " + ", ".join(f"{law} {total.asked[law]}" for law in laws))
-    unasked = [law for law in laws if not total.asked[law]]
-    if unasked and len(numbers) * each >= len(laws) and arguments.only is None:
+    if unasked and looked_at * each >= len(laws) and arguments.only is None:
         failed += 1
         print(f"no scenario could be asked about: {', '.join(unasked)}")
     return 1 if failed else 0
