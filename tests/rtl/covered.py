@@ -14,9 +14,12 @@ import argparse
 import os
 import subprocess
 import sys
+import tempfile
+import threading
 import tomllib
 from collections import Counter
 from collections.abc import Iterable
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -155,23 +158,37 @@ def tests_of(program: Path, wanted: str) -> list[str]:
     return tests
 
 
-def run(program: Path, folder: Path, wanted: str) -> Seen | None:
+class FailedError(Exception):
+    """A test of the program fails."""
+
+
+def run(program: Path, folder: Path, wanted: str) -> Seen:
     seen = Seen(Counter(), Counter(), Counter())
-    for test in tests_of(program, wanted):
-        lines, counts = folder / "lines.dat", folder / "counts.txt"
-        environment = {**os.environ, "HVP_LINES": str(lines), "HVP_COUNTS": str(counts)}
-        done = subprocess.run(
-            [str(program), f"--gtest_filter={test}"],
-            check=False,
-            capture_output=True,
-            text=True,
-            env=environment,
-        )
-        if done.returncode != 0:
-            print(f"{test} fails:\n{done.stdout[-2000:]}", file=sys.stderr)
-            return None
-        print(f"ran {test}", flush=True)
-        seen.read(lines, counts)
+
+    def count(test: str) -> None:
+        with tempfile.TemporaryDirectory(dir=folder) as place:
+            lines, counts = Path(place) / "lines.dat", Path(place) / "counts.txt"
+            done = subprocess.run(
+                [str(program), f"--gtest_filter={test}"],
+                check=False,
+                capture_output=True,
+                text=True,
+                env={**os.environ, "HVP_LINES": str(lines), "HVP_COUNTS": str(counts)},
+            )
+            if done.returncode != 0:
+                raise FailedError(f"{test} fails:\n{done.stdout[-2000:]}")
+            with adds:
+                seen.read(lines, counts)
+                print(f"ran {test}", flush=True)
+
+    adds = threading.Lock()
+    with ThreadPoolExecutor(int(os.environ.get("HVP_JOBS", os.cpu_count() or 1))) as pool:
+        try:
+            for _ in pool.map(count, tests_of(program, wanted)):
+                pass
+        except FailedError:
+            pool.shutdown(cancel_futures=True)
+            raise
     return seen
 
 
@@ -302,8 +319,10 @@ def main() -> int:
     except NotBuiltError as error:
         print(f"the engine could not be translated: {error}", file=sys.stderr)
         return 1
-    seen = run(program, folder, options.tests)
-    if seen is None:
+    try:
+        seen = run(program, folder, options.tests)
+    except FailedError as error:
+        print(error, file=sys.stderr)
         return 1
     good = [
         report_blocks(seen.blocks),

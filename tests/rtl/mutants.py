@@ -167,6 +167,8 @@ class Module:
             yield node.right
         elif isinstance(node, syntax.MultipleConcatenationExpressionSyntax):
             yield node.concatenation
+        elif isinstance(node, syntax.ScopedNameSyntax) and self._source(node).startswith("g_"):
+            yield node.right  # which of the generated blocks is fixed at translation
         elif isinstance(node, syntax.RangeSelectSyntax):
             if kind != "SimpleRangeSelect":
                 yield node.left  # the other one is a width

@@ -50,6 +50,7 @@ THRESHOLDS = "Engine/RtlSizes.StopAtTheThreshold"
 FIRST = {
     "scaler.sv": "RtlScaler.*",
     "coefficient_divider.sv": "RtlDivider.*",
+    "stop_test.sv": "RtlStopTest.*",
     "edit_visits.sv": f"{CONTACTS}/narrow",
     "matrix_editor.sv": f"{CONTACTS}/narrow",
     "inverse_maker.sv": f"{RANDOM}/wide",
@@ -79,6 +80,7 @@ WHOLE = (
 OTHERS = (
     "RtlScaler.*",
     "RtlDivider.*",
+    "RtlStopTest.*",
     f"{INVERSE_ABORTS}/wide",
     f"{INVERSE_ABORTS}/blocks",
     f"{CONTACTS}/blocks",

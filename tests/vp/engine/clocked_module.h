@@ -41,7 +41,6 @@ class ClockedModule {
 
   static constexpr int kMost = 200;
 
- private:
   void tick() {
     top_.clock = 0;
     top_.eval();
@@ -49,6 +48,7 @@ class ClockedModule {
     top_.eval();
   }
 
+ private:
   std::unique_ptr<VerilatedContext> context_;
   Top top_;
 };

@@ -207,9 +207,13 @@ void compare_short_rows(const EngineSize& size, std::uint64_t seed) {
     // Without neighbours, each row is a block. In the last systems that is so of one lane's nodes,
     // and as the longer rows come first, all partitions wait for that lane at last.
     const bool of_one_lane = i >= 6;
+    // A row of them has as many neighbours as a package has columns: four packages, and a part of
+    // one.
+    const int of_packages = (size.partitions << size.package_bits) / 5;
     const fixed::QuantisedMatrix matrix =
-        hvp::test::random_matrix(nodes, of_one_lane ? size.package : i / 2, size.matrix_bits,
-                                 random, of_one_lane ? size.nodes_per_clock : 0);
+        of_one_lane ? hvp::test::random_matrix(std::min(nodes, of_packages), size.package,
+                                               size.matrix_bits, random, size.nodes_per_clock)
+                    : hvp::test::random_matrix(nodes, i / 2, size.matrix_bits, random);
     pair.load(matrix, settings);
     pair.write_x(words(matrix.rows(), size.vector_bits, random));
     pair.write_b(words(matrix.rows(), settings.residual_bits(), random));
