@@ -23,6 +23,7 @@ _WIDTH_IN = 7.5
 _PANEL_IN = 2.6
 _DPI = 110
 _FEW_TICKS = 12
+_TICKS_APART = 0.05  # of the axis: a label of four digits
 _MOST_TICKS = 60
 _MANY_DECADES = 10.0
 _MOST_BARS = 60  # of a panel
@@ -213,6 +214,16 @@ def _draw_panel(axis: Axes, panel: Panel, chart: Chart, names: dict[Place, float
         axis.ticklabel_format(axis="y", useOffset=False)
 
 
+def _apart(places: list[float], log: bool) -> list[float]:
+    """Those of these, in ascending order, whose labels leave each other room."""
+    at = [math.log(place) if log else place for place in places]
+    kept: list[int] = []
+    for i in range(len(places)):
+        if not kept or at[i] - at[kept[-1]] >= _TICKS_APART * (at[-1] - at[0]):
+            kept.append(i)
+    return [places[i] for i in kept]
+
+
 def _x_axis(axis: Axes, chart: Chart, names: dict[Place, float] | None) -> None:
     axis.set_xlabel(chart.x_label)
     if names is not None:
@@ -226,7 +237,7 @@ def _x_axis(axis: Axes, chart: Chart, names: dict[Place, float] | None) -> None:
         axis.set_xscale("log")
     places = sorted({x for panel in chart.panels for line in panel.lines for x in line.x})
     if len(places) <= _FEW_TICKS:  # the values themselves, not what is round beside them
-        axis.set_xticks([float(place) for place in places])
+        axis.set_xticks(_apart([float(place) for place in places], chart.log_x))
         if chart.log_x:
             axis.xaxis.set_minor_locator(NullLocator())
             axis.xaxis.set_minor_formatter(NullFormatter())

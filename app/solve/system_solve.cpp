@@ -22,7 +22,7 @@ namespace hvp::app {
 SolveSettings::SolveSettings() {
   solver.method = fixed::Method::jacobi_pcg;
   solver.start = fixed::Start::zero;
-  accelerator.partitions = 4;
+  accelerator.partitions = 3;
 }
 
 void SolveSettings::choose_preconditioner_memory(const accel::Device& device) {

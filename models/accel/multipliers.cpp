@@ -31,13 +31,16 @@ int further_products(const MultiplierMode& mode, const WordLengths& w) {
   const int by_product = products(w.coefficient_bits, kProductBits);
   const int words = products(w.vector_bits, w.vector_bits);
   const int wide = products(kProductBits, kProductBits);
+  // With a preconditioner r and z are as long as a product, and zᵀr stands where rᵀr has one of
+  // plain CG's products.
+  const int inner = wide - by_vector;
   switch (w.method) {
     case Method::cg:
       return 0;
     case Method::jacobi_pcg:  // z = P⁻¹·r keeps pace with r; ‖r‖ is not zᵀr
-      return wide + (w.stop_test ? wide : 0);
+      return wide + inner + (w.stop_test ? wide : 0);
     case Method::block_jacobi_pcg:
-      return 3 * wide + (w.stop_test ? wide : 0);
+      return 3 * wide + inner + (w.stop_test ? wide : 0);
     case Method::chronopoulos_gear:  // with c in b's pass: β·d and β·q
       return w.dynamic_scaling ? 0 : by_vector + by_product;
     case Method::pipelined_cg:  // α·v and wᵀr, and q is a vector word; β·d, β·q and β·v

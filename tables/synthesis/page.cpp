@@ -213,9 +213,7 @@ carry chain counts as the two look-up tables that it takes.
 many nodes and packages as the engine has addresses for, because `engine.sv` has all of that in any
 case. Of a scenario that asks for less it says less: without stop test and extrapolated start the
 multipliers and memories of these are not in its figures. In none of them are contacts, places of rows
-and the lists of the matrix editor, the multipliers of the scaler, and more than one multiplier for
-each product of zᵀr, of which `engine.sv` takes four: with a preconditioner look here before you choose
-a device.
+and the lists of the matrix editor and the multipliers of the scaler.
 
 )";
   page += areas_table(engines);

@@ -280,10 +280,10 @@ TEST(MethodMemory, HoldsTheVectorsOfTheRecurrences) {
 TEST(MethodMemory, CountsTheMultipliersOfEachMethod) {
   EXPECT_EQ(multipliers({}), 141);
   EXPECT_EQ(multipliers({.stop_test = true}), 141 + 3);  // γ is ‖r‖²; the limit
-  EXPECT_EQ(multipliers({.method = Method::jacobi_pcg}), 141 + 6 * 4);
-  EXPECT_EQ(multipliers({.method = Method::jacobi_pcg, .stop_test = true}), 141 + 6 * 8 + 3);
-  EXPECT_EQ(multipliers({.method = Method::block_jacobi_pcg}), 141 + 6 * 12);
-  EXPECT_EQ(multipliers({.method = Method::block_jacobi_pcg, .stop_test = true}), 141 + 6 * 16 + 3);
+  EXPECT_EQ(multipliers({.method = Method::jacobi_pcg}), 141 + 6 * 7);
+  EXPECT_EQ(multipliers({.method = Method::jacobi_pcg, .stop_test = true}), 141 + 6 * 11 + 3);
+  EXPECT_EQ(multipliers({.method = Method::block_jacobi_pcg}), 141 + 6 * 15);
+  EXPECT_EQ(multipliers({.method = Method::block_jacobi_pcg, .stop_test = true}), 141 + 6 * 19 + 3);
   EXPECT_EQ(multipliers({.method = Method::chronopoulos_gear}), 141 + 1);
   EXPECT_EQ(multipliers({.method = Method::chronopoulos_gear, .dynamic_scaling = false}),
             141 + 6 * 3 + 1);

@@ -75,8 +75,8 @@ module matrix_partitions
     output wire [Partitions-1:0][2:0][VectorBits-1:0] row_own,
     // Clocks of all partitions in which a package has waited since a solve began.
     input wire clear_waits,
-    output logic [31:0] turn_waits,
-    output logic [31:0] room_waits
+    output wire [31:0] turn_waits,
+    output wire [31:0] room_waits
 );
 
   localparam int Nodes = Package % 3 == 0 ? Package / 3 : (Package + 1) / 3 + 1;
@@ -287,11 +287,16 @@ module matrix_partitions
       rooms = rooms + CountBits'(waits_for_room[p]);
     end
   end
+  // With those of the edge before: a solve may end with a product in which packages wait to its end,
+  // where an index word has flipped.
+  logic [31:0] turns_before, rooms_before;
+  assign turn_waits = turns_before + 32'(turns_now);
+  assign room_waits = rooms_before + 32'(rooms_now);
   always_ff @(posedge clock) begin
     turns_now <= turns;
     rooms_now <= rooms;
-    turn_waits <= clear_waits ? '0 : turn_waits + 32'(turns_now);
-    room_waits <= clear_waits ? '0 : room_waits + 32'(rooms_now);
+    turns_before <= clear_waits ? '0 : turn_waits;
+    rooms_before <= clear_waits ? '0 : room_waits;
     if (clear_waits || reset) begin
       turns_now <= '0;
       rooms_now <= '0;
